@@ -1,0 +1,197 @@
+"""Normal equations of a campaign: residuals, forward-mode Jacobians and their sums.
+
+A campaign's runs are simulated together by one compiled function; the Jacobian has a
+column for each free quantity and for each of the run's own circumstances.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from identification.axis_motion import AxisParameters, axis_positions
+from identification.levenberg_marquardt import Normal
+from identification.record import MotorRecord, Record
+from identification.residuals import Circumstances, Residuals, residuals
+from identification.unknowns import Unknowns, apply
+from scdpr_jax.parameters import Drive, Robot
+
+BLOCKS = 40
+"""Stretches of time into which a run's score is summed, for standard errors."""
+
+
+class RunSums(NamedTuple):
+    """What one run adds to the normal equations, and what a report shows of it."""
+
+    cost: Float[Array, ""]
+    """Sum of squared residuals."""
+    gradient: Float[Array, " n"]
+    """Jacobian transposed times residuals."""
+    matrix: Float[Array, "n n"]
+    """Jacobian transposed times Jacobian."""
+    scores: Float[Array, "blocks n"]
+    """The gradient's parts from `BLOCKS` stretches of time."""
+
+
+def motor_residuals(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
+    """Measured minus simulated angles of the bare drives, over the noise.
+
+    Args:
+        drive: The drive; its dry friction is exact here.
+        record: The run.
+
+    Returns:
+        Residuals; the encoders' arbitrary zero is taken out [1].
+    """
+    axis = AxisParameters(drive.inertia, drive.damping, drive.friction, 0.0)
+    limited = jnp.clip(record.voltage, -drive.voltage_limit, drive.voltage_limit)
+
+    def turn(voltage: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+        torque = drive.torque_per_volt * voltage
+        rest = jnp.zeros_like(torque[0])
+        return axis_positions(axis, torque, steps=record.duration, start=rest)
+
+    weight = record.weight[:, None]
+    difference = record.angle - jax.vmap(turn, in_axes=1, out_axes=1)(limited)
+    zero = jnp.sum(weight * difference, axis=0) / jnp.sum(weight)
+    return weight * (difference - zero)
+
+
+def run_residuals(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: Record
+) -> Residuals:
+    """Residuals of one run at a fit's unknowns.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+        record: The run.
+
+    Returns:
+        The residuals.
+    """
+    fitted = apply(robot, free, unknown[: len(free)])
+    return residuals(fitted, Circumstances(*unknown[len(free) :]), record)
+
+
+@eqx.filter_jit
+def run_sums(
+    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: Record
+) -> RunSums:
+    """Sums of all runs with the cable on.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each run its free quantities and its circumstances.
+        records: The runs.
+
+    Returns:
+        Each run's sums.
+    """
+
+    def one(unknown: Float[Array, " n"], record: Record) -> RunSums:
+        def both(x: Float[Array, " n"]) -> tuple[Residuals, Residuals]:
+            found = run_residuals(robot, free, x, record)
+            return found, found
+
+        jacobian, found = jax.jacfwd(both, has_aux=True)(unknown)
+        end = jnp.sum(record.inputs.duration)
+        when = jnp.concatenate([jnp.zeros(1), jnp.cumsum(record.inputs.duration)])
+
+        def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
+            return jnp.clip(time / end * BLOCKS, 0, BLOCKS - 1).astype(int)
+
+        parts = [
+            (found.angle, jacobian.angle, stretch(when)),
+            (found.frame, jacobian.frame, stretch(record.frame_time)),
+            (found.start[:, None], jacobian.start[:, None], jnp.zeros(3, dtype=int)),
+        ]
+        return _sums(parts)
+
+    return jax.vmap(one)(unknowns, records)
+
+
+@eqx.filter_jit
+def motor_sums(
+    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: MotorRecord
+) -> RunSums:
+    """Sums of all steps of the bare drives.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each run its free quantities.
+        records: The runs.
+
+    Returns:
+        Each run's sums.
+    """
+
+    def one(unknown: Float[Array, " n"], record: MotorRecord) -> RunSums:
+        def both(x: Float[Array, " n"]) -> tuple[Float[Array, "rows 2"], Float[Array, "rows 2"]]:
+            found = motor_residuals(apply(robot, free, x).drive, record)
+            return found, found
+
+        jacobian, found = jax.jacfwd(both, has_aux=True)(unknown)
+        rows = jnp.arange(found.shape[0])
+        return _sums([(found, jacobian, rows * BLOCKS // found.shape[0])])
+
+    return jax.vmap(one)(unknowns, records)
+
+
+def _sums(parts: list[tuple[Array, Array, Array]]) -> RunSums:
+    scores = sum(
+        jax.ops.segment_sum(
+            jnp.sum(residual[..., None] * jacobian, axis=1), block, num_segments=BLOCKS
+        )
+        for residual, jacobian, block in parts
+    )
+    columns = parts[0][1].shape[-1]
+    flat = [jacobian.reshape(-1, columns) for _, jacobian, _ in parts]
+    return RunSums(
+        cost=sum(jnp.sum(jnp.square(residual)) for residual, _, _ in parts),
+        gradient=jnp.sum(scores, axis=0),
+        matrix=sum(jacobian.T @ jacobian for jacobian in flat),
+        scores=scores,
+    )
+
+
+def assemble(
+    unknowns: Unknowns, runs: Sequence[int], sums: RunSums, *, shared: bool
+) -> tuple[Normal, Float[np.ndarray, "runs blocks size"]]:
+    """The normal equations of several runs in the fit's vector.
+
+    Args:
+        unknowns: The layout.
+        runs: Number of the run in the layout that each row of the sums is of; -1 for a
+            run to leave out.
+        sums: Sums of the runs, with or without the circumstances' columns.
+        shared: Whether the runs may say anything about the shared quantities, or about
+            their own circumstances alone.
+
+    Returns:
+        Normal equations and scores over all unknowns.
+    """
+    size, names = unknowns.size, len(unknowns.free)
+    matrix, gradient, cost = np.zeros((size, size)), np.zeros(size), 0.0
+    scores = []
+    sums = jax.tree.map(np.asarray, sums)
+    for row, run in enumerate(runs):
+        if run < 0:
+            continue
+        open_to_it = np.concatenate([np.full(names, shared), unknowns.active[run]])
+        columns = np.flatnonzero(open_to_it[: sums.gradient.shape[1]])
+        at = unknowns.of_run(run)[columns]
+        matrix[np.ix_(at, at)] += sums.matrix[row][np.ix_(columns, columns)]
+        gradient[at] += sums.gradient[row][columns]
+        cost += float(sums.cost[row])
+        score = np.zeros((BLOCKS, size))
+        score[:, at] = sums.scores[row][:, columns]
+        scores.append(score)
+    return Normal(cost, gradient, matrix), np.array(scores).reshape(-1, BLOCKS, size)

@@ -1,0 +1,81 @@
+"""The log doctor: everything that is wrong with a campaign, and what is worth knowing."""
+
+import dataclasses
+from pathlib import Path
+
+from identification.campaign.faults import Fault
+from identification.campaign.notes import Note, campaign_notes
+from identification.campaign.read import RunReading, survey
+from identification.campaign.types import Run
+from scdpr_jax.fields import si
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RunSummary:
+    """One run in a line of a table."""
+
+    name: str
+    """Name of its folder."""
+    kind: str | None = None
+    """Its kind, None if the run has faults."""
+    pretension: float | None = dataclasses.field(default=None, metadata=si("N", "T"))
+    """Nominal setting of the cable loop [N], None if the run has faults."""
+    duration: float | None = dataclasses.field(default=None, metadata=si("s", "t"))
+    """From the drive's first to its last sample [s], None if the run has faults."""
+    rows: int | None = None
+    """Samples of the drive, None if the run has faults."""
+    camera_rows: int | None = None
+    """Frames of the camera, 0 without one, None if the run has faults."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Check:
+    """What the log doctor found."""
+
+    path: Path
+    """The campaign's folder."""
+    faults: tuple[Fault, ...]
+    """What must be mended before the campaign can be read."""
+    notes: tuple[Note, ...]
+    """What is worth knowing of the runs that can be read."""
+    runs: tuple[RunSummary, ...]
+    """Every run."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the campaign can be read."""
+        return not self.faults
+
+
+def check_campaign(path: str | Path) -> Check:
+    """All faults of a campaign, and what is worth knowing of it.
+
+    Args:
+        path: The campaign's folder.
+
+    Returns:
+        What was found; content of whatever kind is never an error here.
+    """
+    reading = survey(path)
+    campaign = reading.campaign
+    notes = () if campaign is None else campaign_notes(campaign)
+    return Check(
+        path=Path(path),
+        faults=reading.all_faults,
+        notes=notes,
+        runs=tuple(_summary(run) for run in reading.runs),
+    )
+
+
+def _summary(reading: RunReading) -> RunSummary:
+    if reading.run is None:
+        return RunSummary(name=reading.name)
+    run: Run = reading.run
+    return RunSummary(
+        name=run.name,
+        kind=run.kind,
+        pretension=run.pretension,
+        duration=float(run.drive.time[-1] - run.drive.time[0]),
+        rows=len(run.drive.time),
+        camera_rows=0 if run.camera is None else len(run.camera.time),
+    )

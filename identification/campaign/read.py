@@ -1,0 +1,206 @@
+"""Reading a campaign: all of it, or one error with all its faults."""
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+from identification.campaign.document import row_of
+from identification.campaign.faults import CampaignError, Fault
+from identification.campaign.schema import CampaignDocument, RunDocument, read_model
+from identification.campaign.streams import DRIVE_FILE, read_camera, read_drive
+from identification.campaign.table import read_text
+from identification.campaign.types import (
+    Campaign,
+    DriveStream,
+    Initial,
+    Knock,
+    Run,
+    Sensors,
+    default_sensors,
+)
+from identification.quantities import format_quantity
+
+CAMPAIGN_FILE = "campaign.toml"
+"""Name of the file about the rig."""
+RUN_FILE = "run.toml"
+"""Name of the file about a run."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class RunReading:
+    """What came of reading one run's folder."""
+
+    name: str
+    """Name of the folder."""
+    run: Run | None
+    """The run, None if there are faults."""
+    faults: tuple[Fault, ...]
+    """What is wrong with it."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Reading:
+    """What came of reading a campaign's folder."""
+
+    faults: tuple[Fault, ...]
+    """What is wrong with the folder itself and with `campaign.toml`."""
+    campaign: Campaign | None
+    """The campaign with the good runs, None if `campaign.toml` is at fault."""
+    runs: tuple[RunReading, ...]
+    """Every run's folder."""
+
+    @property
+    def all_faults(self) -> tuple[Fault, ...]:
+        """What is wrong with the campaign and with all its runs."""
+        return self.faults + tuple(fault for run in self.runs for fault in run.faults)
+
+
+def read_campaign(path: str | Path, *, skip_bad_runs: bool = False) -> Campaign:
+    """A campaign of logged runs.
+
+    Args:
+        path: The campaign's folder.
+        skip_bad_runs: Whether to go on without the runs that have faults; their names and
+            faults are in the result's `skipped`.
+
+    Returns:
+        The campaign in SI units and radians.
+
+    Raises:
+        CampaignError: If anything is wrong with `campaign.toml`, with a run that isn't
+            skipped, or with all runs; it lists every fault. A `ValueError`.
+    """
+    reading = survey(path)
+    bad = tuple((run.name, run.faults) for run in reading.runs if run.faults)
+    campaign = reading.campaign
+    unusable = campaign is None or reading.faults or not campaign.runs
+    if unusable or (bad and not skip_bad_runs):
+        raise CampaignError(path, reading.all_faults)
+    return dataclasses.replace(campaign, skipped=bad)
+
+
+def survey(path: str | Path) -> Reading:
+    """Everything that can be read of a campaign, and everything that is wrong with it.
+
+    Args:
+        path: The campaign's folder.
+
+    Returns:
+        The campaign as far as it is good, and all faults.
+    """
+    folder = Path(path)
+    if not folder.is_dir():
+        return Reading((_no_folder(folder),), None, ())
+    document, faults = read_model(folder / CAMPAIGN_FILE, CampaignDocument, file=CAMPAIGN_FILE)
+    # Counts are the campaign's to state. Where its file is at fault, any number lets the
+    # runs be checked for other faults without blaming them for this one.
+    counts = 1.0 if document is None else document.counts_per_rev
+    runs = tuple(_read_run(each, counts_per_rev=counts) for each in _run_folders(folder))
+    if not runs:
+        faults = (*faults, _no_runs(folder))
+    good = tuple(reading.run for reading in runs if reading.run is not None)
+    campaign = None if document is None else _campaign(document, folder, good)
+    return Reading(faults, campaign, runs)
+
+
+def _run_folders(folder: Path) -> list[Path]:
+    return sorted(
+        each for each in folder.iterdir() if each.is_dir() and not each.name.startswith(".")
+    )
+
+
+def _no_folder(folder: Path) -> Fault:
+    there = folder.exists()
+    return Fault(
+        what="the campaign isn't a folder" if there else "the campaign doesn't exist",
+        file=str(folder),
+        got="a file" if there else "no such folder",
+        expected=f"a folder with {CAMPAIGN_FILE} and one folder for each run",
+        remedy="Name the campaign's folder." if there else "Check the path.",
+    )
+
+
+def _no_runs(folder: Path) -> Fault:
+    return Fault(
+        what="the campaign has no run",
+        file=str(folder),
+        got="no folder inside it",
+        expected=f"one folder for each run, with {RUN_FILE} and {DRIVE_FILE}",
+        remedy="Copy the runs there, or name the folder that they are in.",
+    )
+
+
+def _campaign(document: CampaignDocument, folder: Path, runs: tuple[Run, ...]) -> Campaign:
+    return Campaign(
+        name=document.name or folder.resolve().name,
+        counts_per_rev=document.counts_per_rev,
+        robot=_given(document.robot),
+        sensors=_sensors(document),
+        runs=runs,
+    )
+
+
+def _given(table: Any) -> dict[str, float]:
+    return {name: value for name, value in table if value is not None}
+
+
+def _sensors(document: CampaignDocument) -> Sensors:
+    default = default_sensors(document.counts_per_rev)
+    return dataclasses.replace(default, **_given(document.sensors))
+
+
+def _read_run(folder: Path, *, counts_per_rev: float | None) -> RunReading:
+    document, faults = read_model(
+        folder / RUN_FILE, RunDocument, file=f"{folder.name}/{RUN_FILE}"
+    )
+    drive, drive_faults = read_drive(folder, counts_per_rev=counts_per_rev)
+    camera, camera_faults = read_camera(folder)
+    faults = (*faults, *drive_faults, *camera_faults)
+    if document is not None:
+        faults = (*faults, *_knock_faults(document, drive, folder))
+    if faults or document is None or drive is None:
+        return RunReading(folder.name, None, faults)
+    initial, knock = document.initial, document.knock
+    run = Run(
+        name=folder.name,
+        kind=document.kind,
+        pretension=document.pretension,
+        pretension_label=format_quantity(document.pretension, "N"),
+        notes=document.notes,
+        initial=None if initial is None else Initial(**dict(initial)),
+        knock=None if knock is None else Knock(**dict(knock)),
+        clock_offset=document.camera.clock_offset,
+        drive=drive,
+        camera=camera,
+    )
+    return RunReading(folder.name, run, ())
+
+
+def _knock_faults(
+    document: RunDocument, drive: DriveStream | None, folder: Path
+) -> tuple[Fault, ...]:
+    knock = document.knock
+    if knock is None:
+        return ()
+    if document.kind != "pseudo_impulse":
+        fault = Fault(
+            what="a knock on a run that has none",
+            file=f"{folder.name}/{RUN_FILE}",
+            key="knock",
+            got=f'kind = "{document.kind}"',
+            expected='kind = "pseudo_impulse"',
+            remedy="Correct the kind, or delete the table [knock].",
+        )
+    elif drive is not None and not drive.time[0] <= knock.start < drive.time[-1]:
+        fault = Fault(
+            what="the knock isn't within the run",
+            file=f"{folder.name}/{RUN_FILE}",
+            key="knock.start",
+            got=format_quantity(knock.start, "s"),
+            expected=f"{drive.time[0]:g} s to {drive.time[-1]:g} s on the drive's clock",
+            remedy=f"Give the moment on the clock of {DRIVE_FILE}.",
+        )
+    else:
+        return ()
+    text, _ = read_text(folder / RUN_FILE, file=fault.file)
+    return (dataclasses.replace(fault, row=row_of(text, fault.key.split("."))),)

@@ -1,0 +1,268 @@
+"""What stands in `campaign.toml` and `run.toml`, as pydantic models."""
+
+import difflib
+import math
+import typing
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    create_model,
+)
+
+from identification.campaign.document import read_document, row_of
+from identification.campaign.faults import Fault, listed
+from identification.campaign.types import KINDS
+from identification.quantities import QuantityError, parse_quantity
+from scdpr_jax.parameters import QUANTITIES
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+
+def _reader(
+    unit: str, *, above: float = -math.inf, least: float = -math.inf
+) -> Callable[[object], float]:
+    """What reads a quantity of a unit within bounds."""
+
+    def read(value: object) -> float:
+        if not isinstance(value, str):
+            raise _misfit("not a text with a unit", value, unit, _example_number(value))
+        number = parse_quantity(value, unit=unit)
+        if not number > above:
+            raise _misfit("not positive", value, unit, f"{abs(number) or 1:g}")
+        if not number >= least:
+            raise _misfit("negative", value, unit, f"{abs(number):g}")
+        return number
+
+    return read
+
+
+def _misfit(problem: str, got: object, unit: str, example: str) -> QuantityError:
+    written = example if unit == "1" else f"{example} {unit}"
+    bound = {"not positive": "above zero", "negative": "of zero or more"}.get(problem, "")
+    return QuantityError(
+        problem,
+        name="quantity",
+        got=_shown(got),
+        expected=f"a quantity {bound} [{unit}] in quotation marks".replace("  ", " "),
+        remedy=f'Write it like "{written}".',
+    )
+
+
+def _example_number(value: object) -> str:
+    """A number without a unit as it was written, or any number for something else."""
+    text = _shown(value)
+    return text if type(value) in (int, float) and len(text) <= 20 else "0.5"
+
+
+def _shown(value: object) -> str:
+    """A value of a TOML document, short enough for a message."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python refuses to print integers of thousands of digits
+        return "a number too long to print"
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def _offset(value: object) -> float | None:
+    return None if value == "unknown" else _reader("s")(value)
+
+
+def _positive(unit: str) -> BeforeValidator:
+    return BeforeValidator(_reader(unit, above=0.0))
+
+
+Metres = Annotated[float, BeforeValidator(_reader("m"))]
+Seconds = Annotated[float, BeforeValidator(_reader("s"))]
+PositiveMetres = Annotated[float, _positive("m")]
+PositiveSeconds = Annotated[float, _positive("s")]
+PositiveNewtons = Annotated[float, _positive("N")]
+PositiveRadians = Annotated[float, _positive("rad")]
+Offset = Annotated[float | None, BeforeValidator(_offset)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class InitialTable(_Table):
+    """`[initial]` of a run."""
+
+    x_e: Metres = Field(examples=["0.173 m"])
+    y_e: Metres = Field(examples=["0.300 m"])
+    placement_sigma: PositiveMetres = Field(1e-3, examples=["1 mm"])
+
+
+class KnockTable(_Table):
+    """`[knock]` of a run."""
+
+    start: Seconds = Field(examples=["0.3 s"])
+    duration: PositiveSeconds = Field(examples=["30 ms"])
+
+
+class CameraTable(_Table):
+    """`[camera]` of a run."""
+
+    clock_offset: Offset = Field(0.0, examples=["0 ms"])
+
+
+class RunDocument(_Table):
+    """`run.toml`, without its format."""
+
+    kind: Literal[KINDS] = Field(examples=["torque_step"])
+    pretension: PositiveNewtons = Field(examples=["350 N"])
+    notes: str = Field("", examples=["experiment 1 of Table 2"])
+    initial: InitialTable | None = None
+    knock: KnockTable | None = None
+    camera: CameraTable = CameraTable()
+
+
+class SensorsTable(_Table):
+    """`[sensors]` of a campaign."""
+
+    encoder_sigma: PositiveRadians | None = Field(None, examples=["0.1 mrad"])
+    camera_position_sigma: PositiveMetres | None = Field(None, examples=["0.19 mm"])
+    camera_angle_sigma: PositiveRadians | None = Field(None, examples=["2 mrad"])
+
+
+RobotTable = create_model(
+    "RobotTable",
+    __base__=_Table,
+    __doc__="`[robot]` of a campaign: the named quantities, None where not given.",
+    **{
+        quantity.name: (
+            Annotated[
+                float | None,
+                _positive(quantity.unit)
+                if quantity.positive
+                else BeforeValidator(_reader(quantity.unit, least=0.0)),
+            ],
+            None,
+        )
+        for quantity in QUANTITIES
+    },
+)
+
+
+class CampaignDocument(_Table):
+    """`campaign.toml`, without its format."""
+
+    name: str = Field("", examples=["rig A, 2026-11"])
+    counts_per_rev: float | None = Field(
+        None, gt=0, allow_inf_nan=False, examples=["26624 (a number without quotation marks)"]
+    )
+    robot: RobotTable = RobotTable()
+    sensors: SensorsTable = SensorsTable()
+
+
+def read_model(
+    path: Path, model: type[_Model], *, file: str
+) -> tuple[_Model | None, tuple[Fault, ...]]:
+    """A TOML file of a model.
+
+    Args:
+        path: The file.
+        model: `CampaignDocument` or `RunDocument`.
+        file: The file, relative to the campaign's folder.
+
+    Returns:
+        What stands in it, None if there are faults; and the faults.
+    """
+    document, text, fault = read_document(path, file=file)
+    if document is None:
+        return None, () if fault is None else (fault,)
+    try:
+        return model.model_validate(document), ()
+    except ValidationError as error:
+        return None, listed(_faults(error, model, text, file), file=file)
+
+
+def _faults(
+    error: ValidationError, model: type[BaseModel], text: str, file: str
+) -> Iterator[Fault]:
+    for problem in error.errors(include_url=False):
+        # A branch of a union adds the branch's name; keys end at the first that's no key.
+        path = [str(part) for part in problem["loc"]]
+        what, got, expected, remedy = _explained(problem, model, path)
+        yield Fault(
+            what=what,
+            file=file,
+            row=row_of(text, path),
+            key=".".join(path),
+            got=got,
+            expected=expected,
+            remedy=remedy,
+        )
+
+
+def _explained(
+    problem: Any, model: type[BaseModel], path: list[str]
+) -> tuple[str, str, str, str]:
+    """What is wrong, what was found, what was expected and the remedy."""
+    found, name = problem["input"], path[-1]
+    table = _table(model, path[:-1])
+    if problem["type"] == "extra_forbidden":
+        known = ", ".join(table.model_fields)
+        elsewhere = None if isinstance(found, dict) else _elsewhere(model, table, name)
+        return (
+            "an unknown key",
+            repr(name),
+            f"one of {known}",
+            elsewhere or _nearest(table, name),
+        )
+    example = _example(table, name)
+    if problem["type"] == "missing":
+        return "a missing key", "no such key", example, f"Add a line like {example}"
+    if problem["type"] == "value_error":
+        cause = problem["ctx"]["error"]
+        return cause.problem, cause.got, cause.expected, cause.remedy
+    if problem["type"] == "literal_error":
+        near = difflib.get_close_matches(str(found), KINDS, n=1)
+        remedy = f'Is it "{near[0]}"?' if near else '"free" takes what fits no other kind.'
+        return "an unknown kind", _shown(found), f"one of {', '.join(KINDS)}", remedy
+    what = problem["msg"][0].lower() + problem["msg"][1:]
+    return what, _shown(found), example, f"Write it like {example}"
+
+
+def _table(model: type[BaseModel], path: Sequence[str]) -> type[BaseModel]:
+    """The model of a table inside a document."""
+    for name in path:
+        annotation = model.model_fields[name].annotation
+        candidates = (annotation, *typing.get_args(annotation))
+        model = next(c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel))
+    return model
+
+
+def _example(table: type[BaseModel], name: str) -> str:
+    examples = table.model_fields[name].examples
+    if examples is None:
+        return f"a table with the heading [{name}]"
+    return f"{name} = {examples[0]}" if "(" in examples[0] else f'{name} = "{examples[0]}"'
+
+
+def _elsewhere(model: type[BaseModel], table: type[BaseModel], name: str) -> str | None:
+    """The remedy for a key that stands in the wrong table."""
+    for other, heading in _tables(model):
+        if other is not table and name in other.model_fields:
+            return f"It belongs {heading}."
+    return None
+
+
+def _nearest(table: type[BaseModel], name: str) -> str:
+    """The remedy for a key that no table has."""
+    near = difflib.get_close_matches(name, table.model_fields, n=1, cutoff=0.0)
+    return f'The nearest known key is "{near[0]}"; delete the line if that isn\'t meant.'
+
+
+def _tables(model: type[BaseModel]) -> Iterator[tuple[type[BaseModel], str]]:
+    yield model, "above the first [table]"
+    for name, field in model.model_fields.items():
+        for candidate in (field.annotation, *typing.get_args(field.annotation)):
+            if isinstance(candidate, type) and issubclass(candidate, BaseModel):
+                yield candidate, f"below the heading [{name}]"

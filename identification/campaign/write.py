@@ -1,0 +1,214 @@
+"""Writing a campaign in format 1: whole, or not at all."""
+
+import csv
+import json
+import math
+import tempfile
+from collections.abc import Callable, Iterable
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64, Shaped
+
+from identification.campaign.document import FORMAT
+from identification.campaign.faults import CampaignError
+from identification.campaign.read import CAMPAIGN_FILE, RUN_FILE, survey
+from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
+from identification.campaign.types import (
+    CameraStream,
+    Campaign,
+    DriveStream,
+    Run,
+    encoder_resolution,
+)
+from identification.quantities import format_quantity
+from scdpr_jax.parameters import quantity
+
+
+def write_campaign(campaign: Campaign, path: str | Path) -> None:
+    """Write a campaign, so that reading it gives the same data to the last bit.
+
+    It is written beside its place, read back as a check, and then renamed. Runs that were
+    skipped when it was read aren't written.
+
+    Args:
+        campaign: The campaign.
+        path: Its folder; must not exist, or be empty.
+
+    Raises:
+        CampaignError: If it couldn't be read back, as with a NaN in a drive stream.
+        FileExistsError: If there is something at the path already.
+        ValueError: If the name of a run can't be that of a folder.
+    """
+    target = Path(path)
+    _check_free(target)
+    for run in campaign.runs:
+        _check_name(run.name)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.parent) as scratch:
+        draft = Path(scratch) / "draft"
+        _write_files(campaign, draft)
+        faults = survey(draft).all_faults
+        if faults:
+            raise CampaignError(target, faults)
+        # Takes the place of an empty folder; fails if anything has come into it since.
+        draft.replace(target)
+
+
+def _check_free(target: Path) -> None:
+    if target.is_dir() and not any(target.iterdir()):
+        return
+    if target.exists() or target.is_symlink():
+        raise FileExistsError(
+            f"campaign {target}: there is something at this path already, expected nothing or "
+            "an empty folder. Choose another path, or move it away; nothing is overwritten."
+        )
+
+
+def _check_name(name: str) -> None:
+    if not name or name.startswith(".") or any(mark in name for mark in "/\\:\0"):
+        raise ValueError(
+            f"run {name!r}: the name can't be that of a folder, expected one without "
+            'slashes, colons and a leading point. Name it like "0001-torque-step".'
+        )
+
+
+def _write_files(campaign: Campaign, folder: Path) -> None:
+    folder.mkdir()
+    _write_text(folder / CAMPAIGN_FILE, _campaign_document(campaign))
+    for run in campaign.runs:
+        place = folder / run.name
+        place.mkdir()
+        _write_text(place / RUN_FILE, _run_document(run))
+        _write_csv(place / DRIVE_FILE, _drive_columns(run.drive, campaign.counts_per_rev))
+        if run.camera is not None:
+            _write_csv(place / CAMERA_FILE, _camera_columns(run.camera))
+
+
+def _write_text(path: Path, lines: Iterable[str]) -> None:
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+def _campaign_document(campaign: Campaign) -> list[str]:
+    sensors = campaign.sensors
+    lines = [f"format = {FORMAT}", f"name = {_text(campaign.name)}"]
+    if campaign.counts_per_rev is not None:
+        lines.append(f"counts_per_rev = {format_quantity(campaign.counts_per_rev, '1')}")
+    if campaign.robot:
+        lines += ["", "[robot]"]
+        lines += [_entry(name, v, quantity(name).unit) for name, v in campaign.robot.items()]
+    return [
+        *lines,
+        "",
+        "[sensors]",
+        _entry("encoder_sigma", sensors.encoder_sigma, "rad"),
+        _entry("camera_position_sigma", sensors.camera_position_sigma, "m"),
+        _entry("camera_angle_sigma", sensors.camera_angle_sigma, "rad"),
+    ]
+
+
+def _run_document(run: Run) -> list[str]:
+    lines = [
+        f"format = {FORMAT}",
+        f"kind = {_text(run.kind)}",
+        _entry("pretension", run.pretension, "N"),
+        f"notes = {_text(run.notes)}",
+    ]
+    if run.initial is not None:
+        lines += ["", "[initial]", _entry("x_e", run.initial.x_e, "m")]
+        lines.append(_entry("y_e", run.initial.y_e, "m"))
+        lines.append(_entry("placement_sigma", run.initial.placement_sigma, "m"))
+    if run.knock is not None:
+        lines += ["", "[knock]", _entry("start", run.knock.start, "s")]
+        lines.append(_entry("duration", run.knock.duration, "s"))
+    if run.clock_offset is None:
+        lines += ["", "[camera]", 'clock_offset = "unknown"']
+    elif run.camera is not None or run.clock_offset != 0:
+        lines += ["", "[camera]", _entry("clock_offset", run.clock_offset, "s")]
+    return lines
+
+
+def _entry(name: str, value: float, unit: str) -> str:
+    return f'{name} = "{format_quantity(value, unit)}"'
+
+
+def _text(text: str) -> str:
+    """A text as a basic string of TOML: as JSON writes it, but that DEL is escaped too."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _write_csv(path: Path, columns: dict[str, list[str]]) -> None:
+    with path.open("x", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
+
+
+def _drive_columns(drive: DriveStream, counts_per_rev: float | None) -> dict[str, list[str]]:
+    columns = {
+        "t [s]": _plain(drive.time),
+        "voltage_1 [V]": _plain(drive.voltage[:, 0]),
+        "voltage_2 [V]": _plain(drive.voltage[:, 1]),
+    }
+    counts = None if counts_per_rev is None else _whole_counts(drive.angle, counts_per_rev)
+    unit, angle = ("rad", drive.angle) if counts is None else ("count", counts)
+    write = _plain if counts is None else _whole
+    columns[f"alpha_1 [{unit}]"] = write(angle[:, 0])
+    columns[f"alpha_2 [{unit}]"] = write(angle[:, 1])
+    if drive.current is not None:
+        columns["current_1 [A]"] = _plain(drive.current[:, 0])
+        columns["current_2 [A]"] = _plain(drive.current[:, 1])
+    if drive.tension is not None:
+        columns["tension [N]"] = _plain(drive.tension)
+    if drive.reference is not None:
+        columns["x_ref [m]"] = _plain(drive.reference[:, 0])
+        columns["y_ref [m]"] = _plain(drive.reference[:, 1])
+    return columns | _extra_columns(drive.extra)
+
+
+def _camera_columns(camera: CameraStream) -> dict[str, list[str]]:
+    x_e, delta_e, q_3, q_4, y_e = camera.position.T
+    columns = {
+        "t [s]": _plain(camera.time),
+        "x_e [mm]": _lossy(x_e, _millimetres),
+        "y_e [mm]": _lossy(y_e, _millimetres),
+        "delta_e [rad]": _lossy(delta_e, repr),
+        "q_3 [mm]": _lossy(q_3, _millimetres),
+        "q_4 [mm]": _lossy(q_4, _millimetres),
+    }
+    return columns | _extra_columns(camera.extra)
+
+
+def _extra_columns(extra: dict[str, Shaped[np.ndarray, " rows"]]) -> dict[str, list[str]]:
+    return {
+        header: cells.tolist() if cells.dtype.kind == "U" else _lossy(cells, repr)
+        for header, cells in extra.items()
+    }
+
+
+def _whole_counts(
+    angle: Float64[np.ndarray, "rows 2"], counts_per_rev: float
+) -> Float64[np.ndarray, "rows 2"] | None:
+    """The angles in encoder counts, None unless these give the same angles again."""
+    resolution = encoder_resolution(counts_per_rev)
+    counts = np.rint(angle / resolution)
+    return counts if np.array_equal(counts * resolution, angle) else None
+
+
+def _plain(numbers: Float64[np.ndarray, " rows"]) -> list[str]:
+    return [repr(number) for number in numbers.tolist()]
+
+
+def _whole(numbers: Float64[np.ndarray, " rows"]) -> list[str]:
+    return [f"{number:.0f}" for number in numbers.tolist()]
+
+
+def _lossy(numbers: Float64[np.ndarray, " rows"], write: Callable[[float], str]) -> list[str]:
+    """Numbers with an empty cell for each NaN."""
+    return ["" if math.isnan(number) else write(number) for number in numbers.tolist()]
+
+
+def _millimetres(metres: float) -> str:
+    """A length in millimetres, its point moved: a product would round it."""
+    return f"{Decimal(repr(metres)).scaleb(3):f}"

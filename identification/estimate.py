@@ -1,0 +1,369 @@
+"""Parameters of a robot from a campaign of logged runs, all runs at once."""
+
+import dataclasses
+from collections.abc import Callable, Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from identification.accumulate import MotorRecord, assemble, motor_sums, run_sums
+from identification.campaign.types import Campaign, Run
+from identification.first_guess import (
+    FRICTION_FORCES,
+    KNOCKS,
+    PRETENSIONS,
+    clock_offset,
+    scan,
+    start_pose,
+)
+from identification.levenberg_marquardt import Minimum, Normal, minimise
+from identification.record import Record, coarse, motor_record, stacked
+from identification.residuals import Circumstances
+from identification.uncertainty import ParameterEstimate, covariance, judge
+from identification.unknowns import (
+    DEFAULT_FREE,
+    PER_SETTING,
+    Unknowns,
+    encode,
+    layout,
+    start_values,
+)
+from scdpr_jax.parameters import QUANTITIES, Robot, exact, quantity, replace, value
+from scdpr_jax.prototype import consistent
+
+COARSE_STEP = 5e-3
+"""Step of the scan and of the first iterations [s]: a fit's error at it is below 10 µm."""
+
+SCAN_RUNS = 3
+"""Runs of a setting that the scan looks at: those that move the furthest sideways."""
+
+STARTS = 3
+"""Valleys of the scan that a fit is begun in."""
+
+Progress = Callable[[str, float], None]
+"""Told what is being done and which share of it is done, 0 to 1."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Fit:
+    """How an estimate came about."""
+
+    starts: tuple[float, ...]
+    """Cost per measurement that each start ended at [1], coarse grid."""
+    iterations: int
+    """Evaluations of the normal equations on the log's own grid."""
+    converged: bool
+    """Whether the last fit met its stopping rule."""
+    chi_square: float
+    """Sum of squared residuals per measurement [1]; near 1 if they are only noise."""
+    measurements: int
+    """Number of measurements."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Estimate:
+    """What a campaign says about a robot."""
+
+    robot: Robot
+    """The robot with the estimated values, the pretension being the first setting's."""
+    parameters: tuple[ParameterEstimate, ...]
+    """Every named quantity, estimated or fixed."""
+    correlation: Float[np.ndarray, "n n"]
+    """Correlation of the estimated ones, in their order."""
+    circumstances: dict[str, Circumstances]
+    """What was estimated of each run by itself, by the run's name."""
+    runs: tuple[str, ...]
+    """Names of the runs that were fitted."""
+    residual_chi_square: dict[str, dict[str, float]]
+    """Mean squared residual of each channel of each run [1]; near 1 if it is only noise."""
+    fit: Fit
+    """How it came about."""
+
+    def of_setting(self, label: str) -> Robot:
+        """The robot at a nominal pretension.
+
+        Args:
+            label: The setting as the logs name it, "350 N".
+
+        Returns:
+            The robot with that setting's effective pretension.
+
+        Raises:
+            ValueError: If no fitted run had that setting.
+        """
+        for parameter in self.parameters:
+            if parameter.name == PER_SETTING and parameter.setting in (label, None):
+                return replace(self.robot, {PER_SETTING: parameter.value})
+        known = sorted(str(p.setting) for p in self.parameters if p.name == PER_SETTING)
+        raise ValueError(
+            f"no effective pretension for the setting {label!r}, got runs at "
+            f"{', '.join(known)} only. Fit a run of that setting too."
+        )
+
+
+def estimate(
+    campaign: Campaign,
+    *,
+    robot: Robot | None = None,
+    free: Sequence[str] = DEFAULT_FREE,
+    hold_out: Sequence[str] = (),
+    progress: Progress = lambda doing, share: None,
+) -> Estimate:
+    """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
+
+    Start poses, the forces of knocks and unknown clocks are estimated with them. Several
+    starts, the best valleys of a scan over pretension and friction, are fitted on a
+    coarse grid; the best of them on the logs' own.
+
+    Args:
+        campaign: The campaign.
+        robot: What isn't estimated, and where the search for the rest begins; default:
+            the consistent prototype with what the campaign says of the rig.
+        free: Names of the quantities to estimate. Each nominal pretension has its own
+            effective one.
+        hold_out: Names of runs that say nothing about the shared quantities; their own
+            circumstances are estimated once these are known, to predict them.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        ValueError: If float64 is off, if a name is unknown, or if a run can't be used.
+        FloatingPointError: If a run's simulation isn't finite at the solution.
+    """
+    _require_float64()
+    prior = exact(replace(robot or consistent(), campaign.robot))
+    problem = _Problem.of(campaign, prior, tuple(free), frozenset(hold_out))
+    progress("first guesses", 0.0)
+    starts = _starts(problem, progress)
+
+    rough = problem.on_grid(COARSE_STEP)
+    ends = []
+    for number, start in enumerate(starts):
+        told = lambda i, cost, number=number: progress(
+            f"start {number + 1} of {len(starts)}", 0.1 + 0.5 * (number + i / 15) / len(starts)
+        )
+        ends.append(rough.minimise(start, iterations=15, decrement=1e-3, report=told))
+    best = min(ends, key=lambda end: end.normal.cost)
+    told = lambda i, cost: progress("all runs at the logs' own rate", 0.6 + 0.4 * i / 12)
+    minimum = problem.minimise(best.point, iterations=25, decrement=1e-7, report=told)
+    progress("standard errors", 1.0)
+    costs = tuple(end.normal.cost / rough.measurements() for end in ends)
+    return _estimate(problem, minimum, costs, campaign)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Problem:
+    """A campaign prepared for fitting."""
+
+    runs: tuple[Run, ...]
+    prior: Robot
+    unknowns: Unknowns
+    held_out: frozenset[int]
+    cabled: tuple[int, ...]
+    offsets: tuple[float, ...]
+    records: Record | None
+    motors: tuple[int, ...]
+    motor_records: MotorRecord | None
+    poses: Float[np.ndarray, "runs 3"]
+
+    @classmethod
+    def of(
+        cls, campaign: Campaign, prior: Robot, free: tuple[str, ...], hold_out: frozenset[str]
+    ) -> "_Problem":
+        runs, sensors = campaign.runs, campaign.sensors
+        held_out = frozenset(runs.index(campaign.run(name)) for name in hold_out)
+        motors = tuple(i for i, run in enumerate(runs) if run.kind == "motor_step")
+        cabled = tuple(i for i in range(len(runs)) if i not in motors)
+        radius = float(value(prior, "effective_radius"))
+        offsets = [_known_offset(runs[i], radius) for i in cabled]
+        poses = np.zeros((len(runs), 3))
+        for i, offset in zip(cabled, offsets, strict=True):
+            poses[i] = start_pose(runs[i], offset)
+        return cls(
+            runs=runs,
+            prior=prior,
+            unknowns=layout(runs, free),
+            held_out=held_out,
+            cabled=cabled,
+            offsets=tuple(offsets),
+            records=stacked([runs[i] for i in cabled], offsets, sensors) if cabled else None,
+            motors=motors,
+            motor_records=motor_record([runs[i] for i in motors], sensors) if motors else None,
+            poses=poses,
+        )
+
+    def on_grid(self, step: float) -> "_Problem":
+        """The same problem with intervals of about a given length [s]."""
+        if self.records is None:
+            return self
+        duration = np.asarray(self.records.inputs.duration)
+        factor = max(1, round(step / float(np.median(duration[duration > 0]))))
+        return dataclasses.replace(self, records=coarse(self.records, factor))
+
+    def measurements(self) -> int:
+        """Number of measurements that say something about the shared quantities."""
+        count = 0
+        for row, run in enumerate(self.cabled):
+            if run not in self.held_out:
+                count += 2 * int(jnp.sum(self.records.angle_weight[row] > 0))
+                count += int(jnp.sum(self.records.frame_weight[row] > 0))
+        for row, run in enumerate(self.motors):
+            if run not in self.held_out:
+                count += 2 * int(jnp.sum(self.motor_records.weight[row] > 0))
+        return count
+
+    def evaluate(
+        self, point: Float[np.ndarray, " n"], *, held_out: bool = False
+    ) -> tuple[Normal, Float[np.ndarray, "runs blocks n"]]:
+        """Normal equations and scores of the fitted runs, or of those held out."""
+        unknowns, parts = self.unknowns, []
+
+        def chosen(runs: tuple[int, ...]) -> list[int]:
+            return [run if (run in self.held_out) == held_out else -1 for run in runs]
+
+        if self.records is not None:
+            own = jnp.asarray(np.stack([point[unknowns.of_run(i)] for i in self.cabled]))
+            sums = run_sums(self.prior, unknowns.free, own, self.records)
+            parts.append(assemble(unknowns, chosen(self.cabled), sums, shared=not held_out))
+        if self.motor_records is not None:
+            own = jnp.asarray(np.stack([point[unknowns.local[i]] for i in self.motors]))
+            sums = motor_sums(self.prior, unknowns.free, own, self.motor_records)
+            parts.append(assemble(unknowns, chosen(self.motors), sums, shared=not held_out))
+        normal = Normal(
+            sum(part.cost for part, _ in parts),
+            sum(part.gradient for part, _ in parts),
+            sum(part.matrix for part, _ in parts),
+        )
+        return normal, np.concatenate([scores for _, scores in parts])
+
+    def minimise(
+        self,
+        start: Float[np.ndarray, " n"],
+        *,
+        iterations: int,
+        decrement: float,
+        report: Callable[[int, float], None] = lambda iteration, cost: None,
+        held_out: bool = False,
+    ) -> Minimum:
+        return minimise(
+            lambda point: self.evaluate(point, held_out=held_out)[0],
+            start,
+            lower=self.unknowns.lower(),
+            iterations=iterations,
+            decrement=decrement,
+            report=report,
+        )
+
+
+def _known_offset(run: Run, radius: float) -> float:
+    if run.clock_offset is None and run.camera is not None:
+        return clock_offset(run, radius)
+    return run.clock_offset or 0.0
+
+
+def _starts(problem: _Problem, progress: Progress) -> list[np.ndarray]:
+    """Points to begin at: the best valleys of the scan."""
+    unknowns = problem.unknowns
+    base = np.concatenate(
+        [start_values(problem.prior, unknowns), np.zeros(5 * len(problem.runs))]
+    )
+    for run, pose in enumerate(problem.poses):
+        base[unknowns.of_run(run)[len(unknowns.free) :][:3]] = pose
+    base = _drives_alone(problem, base)
+    scanned = {"friction_coefficient", PER_SETTING} & set(unknowns.free)
+    if problem.records is None or PER_SETTING not in scanned:
+        return [_with_knocks(problem, base)]
+    rough = problem.on_grid(COARSE_STEP)
+    points = [base.copy() for _ in range(STARTS)]
+    friction = np.zeros((STARTS, 0))
+    labels = sorted({label for name, label in unknowns.shared if name == PER_SETTING})
+    for number, label in enumerate(labels):
+        progress(f"scan at {label}", 0.1 * number / len(labels))
+        valleys = _valleys(rough, base, label)
+        if not valleys:
+            continue
+        chosen = [valleys[min(k, len(valleys) - 1)] for k in range(STARTS)]
+        for point, (pretension, _) in zip(points, chosen, strict=True):
+            point[unknowns.shared.index((PER_SETTING, label))] = np.log(pretension)
+        forces = [[force / (4 * pretension)] for pretension, force in chosen]
+        friction = np.concatenate([friction, forces], axis=1)
+    if "friction_coefficient" in scanned and friction.size:
+        for point, coefficient in zip(points, np.median(friction, axis=1), strict=True):
+            index = unknowns.shared.index(("friction_coefficient", None))
+            point[index] = encode("friction_coefficient", coefficient)
+    unique = [p for k, p in enumerate(points) if not any(np.array_equal(p, q) for q in points[:k])]
+    return [_with_knocks(rough, point) for point in unique]
+
+
+def _drives_alone(problem: _Problem, base: np.ndarray) -> np.ndarray:
+    """The start with the drives' own quantities from the runs without the cable."""
+    if problem.motor_records is None:
+        return base
+    alone = dataclasses.replace(problem, records=None)
+    found = alone.minimise(base, iterations=30, decrement=1e-6)
+    return found.point
+
+
+def _valleys(problem: _Problem, base: np.ndarray, label: str) -> list[tuple[float, float]]:
+    """Pretension [N] and friction force [N] of the scan's local minima, best first."""
+    unknowns = problem.unknowns
+    of_setting = [
+        k for k, i in enumerate(problem.cabled) if problem.runs[i].pretension_label == label
+    ]
+    if not of_setting:
+        return []
+    reach = np.ptp(np.sum(np.asarray(problem.records.angle), axis=2), axis=1)
+    still = np.array([problem.runs[problem.cabled[k]].knock is not None for k in of_setting])
+    # A knock's force isn't known yet, so knocked runs are the last choice.
+    order = sorted(range(len(of_setting)), key=lambda n: (still[n], -reach[of_setting[n]]))
+    chosen = [of_setting[n] for n in order[:SCAN_RUNS]]
+
+    grid = [(t, f) for t in PRETENSIONS for f in FRICTION_FORCES]
+    pretension = unknowns.free.index(PER_SETTING)
+    rows = []
+    for t, f in grid:
+        for k in chosen:
+            row = base[unknowns.of_run(problem.cabled[k])].copy()
+            row[pretension] = np.log(t)
+            if "friction_coefficient" in unknowns.free:
+                row[unknowns.free.index("friction_coefficient")] = encode(
+                    "friction_coefficient", f / (4 * t)
+                )
+            rows.append(row)
+    cost = scan(problem.prior, unknowns.free, np.stack(rows), chosen * len(grid), problem.records)
+    total = cost.reshape(len(PRETENSIONS), len(FRICTION_FORCES), len(chosen)).sum(axis=2)
+    over_friction = total.min(axis=1)
+    padded = np.pad(over_friction, 1, constant_values=np.inf)
+    minima = np.flatnonzero((over_friction <= padded[:-2]) & (over_friction <= padded[2:]))
+    minima = minima[np.argsort(over_friction[minima])]
+    return [(PRETENSIONS[k], FRICTION_FORCES[int(np.argmin(total[k]))]) for k in minima]
+
+
+def _with_knocks(problem: _Problem, point: np.ndarray) -> np.ndarray:
+    """The start with the forces of its knocks that fit best."""
+    unknowns, point = problem.unknowns, point.copy()
+    knocked = [k for k, i in enumerate(problem.cabled) if problem.runs[i].knock is not None]
+    if not knocked:
+        return point
+    rows = []
+    for k in knocked:
+        for force in KNOCKS:
+            row = point[unknowns.of_run(problem.cabled[k])].copy()
+            row[len(unknowns.free) + 3] = force
+            rows.append(row)
+    cost = scan(
+        problem.prior,
+        unknowns.free,
+        np.stack(rows),
+        [k for k in knocked for _ in KNOCKS],
+        problem.records,
+    )
+    for k, costs in zip(knocked, cost.reshape(len(knocked), len(KNOCKS)), strict=True):
+        where = unknowns.of_run(problem.cabled[k])[len(unknowns.free) + 3]
+        point[where] = KNOCKS[int(np.argmin(costs))]
+    return point

@@ -1,0 +1,113 @@
+"""Levenberg-Marquardt on normal equations that somebody else accumulates."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+
+class Normal(NamedTuple):
+    """A sum of squares at a point, with its Gauss-Newton model."""
+
+    cost: float
+    """Sum of squared residuals."""
+    gradient: Float[np.ndarray, " n"]
+    r"""$J^T r$, half the gradient of the cost."""
+    matrix: Float[np.ndarray, "n n"]
+    r"""$J^T J$."""
+
+
+class Minimum(NamedTuple):
+    """Where a minimisation ended."""
+
+    point: Float[np.ndarray, " n"]
+    """The best point found."""
+    normal: Normal
+    """Cost and Gauss-Newton model there."""
+    iterations: int
+    """Evaluations of the normal equations."""
+    converged: bool
+    """Whether a further step would change the cost by less than asked."""
+
+
+def minimise(
+    evaluate: Callable[[Float[np.ndarray, " n"]], Normal],
+    start: Float[np.ndarray, " n"],
+    *,
+    lower: Float[np.ndarray, " n"],
+    iterations: int,
+    decrement: float,
+    report: Callable[[int, float], None] = lambda iteration, cost: None,
+) -> Minimum:
+    r"""Minimum of a sum of squares within lower bounds.
+
+    A step solves $(J^TJ + \lambda\, \mathrm{diag}\, J^TJ)\,\delta = -J^T r$ over the
+    unknowns that are free to move: those that the data see, and that no bound stops.
+
+    Reference: D. W. Marquardt, "An algorithm for least-squares estimation of nonlinear
+    parameters", SIAM J. Appl. Math. 11(2), 1963, doi:10.1137/0111030.
+
+    Args:
+        evaluate: The normal equations at a point.
+        start: Where to begin.
+        lower: Lower bounds, minus infinity for none.
+        iterations: Most evaluations of the normal equations.
+        decrement: Relative decrease of the cost that a full step still has to promise.
+        report: Called with the evaluations so far and the best cost.
+
+    Returns:
+        The best point, converged or not.
+    """
+    point, damping = np.maximum(start, lower), 1e-3
+    best, done = evaluate(point), 1
+    while done < iterations:
+        step, promised = _step(best, point, lower, damping)
+        if promised <= decrement * best.cost and damping <= 1e-2:
+            return Minimum(point, best, done, True)
+        candidate = np.maximum(point + step, lower)
+        tried, done = evaluate(candidate), done + 1
+        if np.isfinite(tried.cost) and tried.cost < best.cost:
+            point, best, damping = candidate, tried, max(damping / 10, 1e-9)
+        elif damping > 1e8:
+            # Not even a tiny step helps: a kink of the friction, or the bottom itself.
+            return Minimum(point, best, done, promised <= decrement * best.cost)
+        else:
+            damping = max(damping * 10, 1e-3)
+        report(done, best.cost)
+    return Minimum(point, best, done, False)
+
+
+def free_unknowns(
+    normal: Normal, point: Float[np.ndarray, " n"], lower: Float[np.ndarray, " n"]
+) -> Bool[np.ndarray, " n"]:
+    """The unknowns that the data see and that no bound stops.
+
+    Args:
+        normal: The normal equations at the point.
+        point: The point.
+        lower: Lower bounds.
+
+    Returns:
+        True for each unknown that may move.
+    """
+    stopped = (point <= lower) & (normal.gradient > 0)
+    return (np.diag(normal.matrix) > 0) & ~stopped
+
+
+def _step(
+    normal: Normal,
+    point: Float[np.ndarray, " n"],
+    lower: Float[np.ndarray, " n"],
+    damping: float,
+) -> tuple[Float[np.ndarray, " n"], float]:
+    """A damped step, and by how much it promises to lower the cost."""
+    free = np.flatnonzero(free_unknowns(normal, point, lower))
+    scale = 1 / np.sqrt(np.diag(normal.matrix)[free])
+    scaled = normal.matrix[np.ix_(free, free)] * np.outer(scale, scale)
+    gradient = normal.gradient[free] * scale
+    solution = np.linalg.solve(scaled + damping * np.eye(free.size), -gradient)
+    step = np.zeros_like(point)
+    step[free] = scale * solution
+    promised = -(2 * gradient @ solution + solution @ scaled @ solution)
+    return step, float(promised)

@@ -1,0 +1,100 @@
+"""Uncertainty of a least-squares fit whose residuals hang together in time."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+
+class Sandwich(NamedTuple):
+    """Covariance of fitted parameters, robust to correlated and unequal residuals."""
+
+    covariance: Float[np.ndarray, "parameters parameters"]
+    """Covariance of the parameters, so large that 1.96 of its standard errors make a 95 %
+    interval."""
+    bandwidth: int
+    """Samples over which residuals were taken to hang together."""
+
+
+def sandwich(
+    jacobian: Float[np.ndarray, "samples parameters"],
+    residuals: Float[np.ndarray, " samples"],
+) -> Sandwich:
+    r"""Newey–West covariance with Andrews' bandwidth and fixed-$b$ critical value.
+
+    $$ C = \frac{n}{n - p} (J^T J)^{-1}
+           \Big[\sum_{|k| < L} (1 - |k|/L)\, \Gamma_k\Big] (J^T J)^{-1}, \qquad
+       \Gamma_k = \sum_t g_t g_{t+k}^T, \quad g_t = J_t r_t $$
+
+    Residuals that are model error rather than noise stay of one sign for a long while:
+    the usual $\sigma^2 (J^T J)^{-1}$ then promises far too much. The bracket is a sum over
+    all windows of length $L$ of the squared sum of scores, so it is never negative. A
+    bandwidth that is a fair share $b = L/n$ of the record makes the covariance itself
+    uncertain, which the wider critical value allows for.
+
+    Args:
+        jacobian: Derivatives of the residuals.
+        residuals: Residuals at the optimum.
+
+    Returns:
+        The covariance, with what it rests on.
+
+    References:
+        W. Newey, K. West, "A simple, positive semi-definite, heteroskedasticity and
+        autocorrelation consistent covariance matrix", Econometrica 55(3), 1987.
+        D. Andrews, "Heteroskedasticity and autocorrelation consistent covariance matrix
+        estimation", Econometrica 59(3), 1991: the bandwidth.
+        N. Kiefer, T. Vogelsang, "A new asymptotic theory for heteroskedasticity-
+        autocorrelation robust tests", Econometric Theory 21(6), 2005: the critical value.
+    """
+    samples, parameters = jacobian.shape
+    scale = np.linalg.norm(jacobian, axis=0)
+    scale = np.where(scale > 0, scale, 1.0)
+    scores = jacobian / scale * residuals[:, None]
+    length = _bandwidth(scores)
+
+    padded = np.pad(scores, ((length, length - 1), (0, 0)))
+    sums = np.cumsum(padded, axis=0)
+    windows = sums[length:] - sums[:-length]
+    bread, unknown = _inverse(jacobian / scale)
+    root = bread @ windows.T
+    noise = float(residuals @ residuals) / samples
+    covariance = samples / (samples - parameters) * (root @ root.T / length + noise * unknown)
+    share = length / samples
+    critical_value = 1.9600 + 2.9694 * share + 0.4160 * share**2 - 0.5324 * share**3
+    growth = (critical_value / 1.96) ** 2
+    return Sandwich(growth * covariance / np.outer(scale, scale), bandwidth=length)
+
+
+def _bandwidth(scores: Float[np.ndarray, "samples parameters"]) -> int:
+    """Andrews' bandwidth of Bartlett's kernel from a first-order autoregression a score."""
+    samples = len(scores)
+    power = np.sum(scores[:-1] ** 2, axis=0)
+    power = np.where(power > 0, power, 1.0)
+    memory = np.clip(np.sum(scores[1:] * scores[:-1], axis=0) / power, -0.99999, 0.99999)
+    innovation = np.mean((scores[1:] - memory * scores[:-1]) ** 2, axis=0)
+    total = np.sum(innovation**2 / (1 - memory) ** 4)
+    curvature = np.sum(4 * memory**2 * innovation**2 / ((1 - memory) ** 6 * (1 + memory) ** 2))
+    if not total > 0:
+        return 1
+    length = 1.1447 * (curvature / total * samples) ** (1 / 3)
+    # Four windows at the least: with fewer there is nothing to judge their spread by.
+    return int(np.clip(np.ceil(length), 1, samples // 4))
+
+
+def _inverse(
+    jacobian: Float[np.ndarray, "samples parameters"],
+) -> tuple[
+    Float[np.ndarray, "parameters parameters"], Float[np.ndarray, "parameters parameters"]
+]:
+    """Inverse of the normal matrix: its part that is determined, and the rest, huge.
+
+    A direction that changes no residual has no scores either: left in the sandwich, it
+    would seem to be known exactly.
+    """
+    values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
+    # Eigenvalues of unit columns are sums of `samples` products: rounding is below this.
+    floor = np.finfo(float).eps * len(jacobian) * max(float(values[-1]), 1.0)
+    known = np.where(values > floor, 1 / np.maximum(values, floor), 0.0)
+    unknown = np.where(values > floor, 0.0, 1 / floor)
+    return vectors * known @ vectors.T, vectors * unknown @ vectors.T

@@ -1,0 +1,195 @@
+"""One logged run as arrays of fixed shape: what is simulated, and what it is compared with.
+
+Runs of different length are padded, so that one compiled function serves all of them:
+intervals of length zero, and samples of weight zero.
+"""
+
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from identification.campaign.types import Run, Sensors
+from scdpr_jax.fields import real, si
+from scdpr_jax.stepping import Inputs
+
+
+CLOCK_MARGIN = 0.02
+"""Frames this near the ends of a run with an unknown clock are left out [s]."""
+
+
+class Record(eqx.Module):
+    """A run with the cable on: inputs, measurements and their weights."""
+
+    inputs: Inputs
+    """Commands; the knock is 1 N while the end-effector is knocked, else 0."""
+    angle: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("rad"))
+    """Encoder angles at the ends of the intervals [rad]."""
+    angle_weight: Float[Array, "... rows"] = eqx.field(converter=real, metadata=si("1/rad"))
+    """Inverse standard deviation of the angles [1/rad]; 0 where there is none."""
+    frame_time: Float[Array, "... frames"] = eqx.field(converter=real, metadata=si("s"))
+    """Camera stamps on the drive's clock, since its first row [s]."""
+    frame: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("m, rad"))
+    """Camera positions; 0 where a marker was lost [m, rad, m, m, m]."""
+    frame_weight: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("1/m"))
+    """Inverse standard deviations of the positions; 0 where there is none [1/m, 1/rad]."""
+    placement: Float[Array, "... 2"] = eqx.field(converter=real, metadata=si("m"))
+    """Nominal start $[x_e, y_e]$ [m]."""
+    placement_weight: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1/m"))
+    """Inverse standard deviation of the placement [1/m]; 0 where nothing was noted."""
+
+
+class MotorRecord(eqx.Module):
+    """A step of the bare drives, the cable off their pulleys, padded like `Record`."""
+
+    duration: Float[Array, "... intervals"] = eqx.field(converter=real, metadata=si("s"))
+    """Lengths of the intervals [s]."""
+    voltage: Float[Array, "... intervals 2"] = eqx.field(converter=real, metadata=si("V"))
+    """Commands [V]."""
+    angle: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("rad"))
+    """Encoder angles [rad]."""
+    weight: Float[Array, "... rows"] = eqx.field(converter=real, metadata=si("1/rad"))
+    """Inverse standard deviation of the angles [1/rad]; 0 where there is none."""
+
+
+def record(run: Run, offset: float, sensors: Sensors, *, rows: int, frames: int) -> Record:
+    """The run as arrays of a given size.
+
+    Args:
+        run: A run with the cable on.
+        offset: Camera time minus drive time, as far as it is known [s].
+        sensors: The sensors' noise.
+        rows: Rows of the drive's stream to pad to.
+        frames: Camera frames to pad to.
+
+    Returns:
+        The run's arrays; frames from before or after the drive's stream weigh nothing.
+    """
+    time = run.drive.time - run.drive.time[0]
+    stamps, frame = _camera(run, offset)
+    # An estimated clock may still move by this much without a frame leaving the stream.
+    margin = CLOCK_MARGIN if run.clock_offset is None else 0.0
+    inside = (stamps >= margin) & (stamps <= time[-1] - margin)
+    seen = np.isfinite(frame) & inside[:, None]
+    sigma = np.full(5, sensors.camera_position_sigma)
+    sigma[1] = sensors.camera_angle_sigma
+    return Record(
+        inputs=Inputs(
+            duration=_pad(np.diff(time), rows - 1),
+            voltage=_pad(run.drive.voltage[:-1], rows - 1),
+            knock=_pad(_knocked(run, time), rows - 1),
+        ),
+        angle=_pad(run.drive.angle - run.drive.angle[0], rows),
+        angle_weight=_pad(np.full(time.size, 1 / sensors.encoder_sigma), rows),
+        frame_time=_pad(stamps, frames),
+        frame=_pad(np.where(seen, frame, 0.0), frames),
+        frame_weight=_pad(seen / sigma, frames),
+        placement=np.zeros(2) if run.initial is None else [run.initial.x_e, run.initial.y_e],
+        placement_weight=0.0 if run.initial is None else 1 / run.initial.placement_sigma,
+    )
+
+
+def stacked(runs: Sequence[Run], offsets: Sequence[float], sensors: Sensors) -> Record:
+    """Runs with the cable on, padded to the longest and stacked.
+
+    Args:
+        runs: The runs.
+        offsets: Camera time minus drive time of each, as far as it is known [s].
+        sensors: The sensors' noise.
+
+    Returns:
+        Their records, with a leading axis over the runs.
+    """
+    rows = max(run.drive.time.size for run in runs)
+    frames = max((run.camera.time.size for run in runs if run.camera is not None), default=1)
+    each = [
+        record(run, offset, sensors, rows=rows, frames=frames)
+        for run, offset in zip(runs, offsets, strict=True)
+    ]
+    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
+
+
+def motor_record(runs: Sequence[Run], sensors: Sensors) -> MotorRecord:
+    """Steps of the bare drives, padded to the longest and stacked.
+
+    Args:
+        runs: The runs, without the cable.
+        sensors: The sensors' noise.
+
+    Returns:
+        Their records, with a leading axis over the runs.
+    """
+    rows = max(run.drive.time.size for run in runs)
+    each = [
+        MotorRecord(
+            duration=_pad(np.diff(run.drive.time), rows - 1),
+            voltage=_pad(run.drive.voltage[:-1], rows - 1),
+            angle=_pad(run.drive.angle - run.drive.angle[0], rows),
+            weight=_pad(np.full(run.drive.time.size, 1 / sensors.encoder_sigma), rows),
+        )
+        for run in runs
+    ]
+    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
+
+
+def _camera(run: Run, offset: float) -> tuple[np.ndarray, np.ndarray]:
+    if run.camera is None:
+        return np.zeros(0), np.zeros((0, 5))
+    return run.camera.time - offset - run.drive.time[0], run.camera.position
+
+
+def _knocked(run: Run, time: np.ndarray) -> np.ndarray:
+    """Share of each interval during which the end-effector is knocked."""
+    if run.knock is None:
+        return np.zeros(time.size - 1)
+    start = run.knock.start - run.drive.time[0]
+    inside = np.clip(time, start, start + run.knock.duration)
+    return np.diff(inside) / np.diff(time)
+
+
+def _pad(array: np.ndarray, length: int) -> np.ndarray:
+    width = [(0, length - array.shape[0])] + [(0, 0)] * (array.ndim - 1)
+    return np.pad(array, width)
+
+
+def coarse(records: Record, factor: int) -> Record:
+    """The same runs on a coarser grid, for the first steps of a fit.
+
+    Voltages and knocks become their means over the longer intervals, so that every
+    impulse is kept; encoder angles stay where the new grid has its instants.
+
+    Args:
+        records: Records with a leading axis over the runs.
+        factor: How many intervals become one.
+
+    Returns:
+        The records on the coarser grid.
+    """
+    inputs = records.inputs
+    count = -(-inputs.duration.shape[-1] // factor)
+    missing = count * factor - inputs.duration.shape[-1]
+
+    def grouped(array: Float[Array, "runs intervals *rest"]) -> Float[Array, "..."]:
+        padded = jnp.pad(array, [(0, 0), (0, missing)] + [(0, 0)] * (array.ndim - 2))
+        return padded.reshape(array.shape[0], count, factor, *array.shape[2:])
+
+    duration = grouped(inputs.duration)
+    total = jnp.sum(duration, axis=2)
+    share = duration / jnp.where(total > 0, total, 1.0)[:, :, None]
+    kept = jnp.minimum(jnp.arange(count + 1) * factor, inputs.duration.shape[-1])
+    return eqx.tree_at(
+        lambda r: (r.inputs, r.angle, r.angle_weight),
+        records,
+        (
+            Inputs(
+                duration=total,
+                voltage=jnp.sum(share[..., None] * grouped(inputs.voltage), axis=2),
+                knock=jnp.sum(share * grouped(inputs.knock), axis=2),
+            ),
+            records.angle[:, kept],
+            records.angle_weight[:, kept],
+        ),
+    )

@@ -1,0 +1,147 @@
+"""Honest standard errors: what is left over is rarely independent noise."""
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy import stats
+
+from scdpr_jax.fields import si
+
+STRETCHES = (1, 4, 40)
+"""Neighbouring blocks of a run's score that are summed: a block, a tenth, all of it."""
+
+WEAK = 0.1
+"""Relative standard error from which a value is called weakly identified [1]."""
+
+UNSEEN = 1.0
+"""Relative standard error from which a value is called unidentifiable [1]."""
+
+
+@dataclasses.dataclass(frozen=True)
+class ParameterEstimate:
+    """A quantity's value with its uncertainty."""
+
+    name: str
+    """Name, see `scdpr_jax.parameters.QUANTITIES`."""
+    setting: str | None
+    """Nominal pretension that the value belongs to, None if it belongs to all."""
+    value: float
+    """Value [SI]."""
+    unit: str
+    """SI unit."""
+    sigma: float
+    """Standard error [SI]; 0 for a fixed value, infinite for one that no run shows."""
+    interval95: tuple[float, float]
+    """95 % confidence interval [SI]."""
+    status: str
+    """`identified`, `weak`, `unidentifiable`, `at_bound` or `fixed`."""
+    degrees_of_freedom: float = dataclasses.field(default=np.inf, metadata=si("1"))
+    """Degrees of freedom of the standard error [1]."""
+
+    def interval(self, confidence: float) -> tuple[float, float]:
+        """The confidence interval of another level.
+
+        Args:
+            confidence: Level, 0.95 for 95 % [1].
+
+        Returns:
+            Its ends [SI].
+        """
+        half = half_width(self.sigma, confidence, self.degrees_of_freedom)
+        return self.value - half, self.value + half
+
+
+def half_width(sigma: float, confidence: float, degrees_of_freedom: float) -> float:
+    """Half of a confidence interval by Student's distribution.
+
+    Args:
+        sigma: Standard error.
+        confidence: Level [1].
+        degrees_of_freedom: Degrees of freedom of the standard error [1].
+
+    Returns:
+        Half of the interval, in the standard error's unit.
+    """
+    if not np.isfinite(sigma):
+        return np.inf
+    return float(stats.t.ppf(0.5 + confidence / 2, degrees_of_freedom) * sigma)
+
+
+class Covariance(NamedTuple):
+    """Covariance of a fit's unknowns."""
+
+    sigma: Float[np.ndarray, " n"]
+    """Standard errors; infinite for what no run shows."""
+    correlation: Float[np.ndarray, "n n"]
+    """Correlation by the Gauss-Newton matrix; 0 with what no run shows."""
+    degrees_of_freedom: float
+    """Degrees of freedom of the standard errors."""
+
+
+def covariance(
+    matrix: Float[np.ndarray, "n n"],
+    scores: Float[np.ndarray, "runs blocks n"],
+    seen: Bool[np.ndarray, " n"],
+    chi_square: float,
+) -> Covariance:
+    r"""Standard errors that hold for residuals that are correlated in time.
+
+    An encoder's rounding stands still as long as the robot does, and an unmodelled force
+    acts for as long as it pleases: neighbouring residuals aren't independent. The sandwich
+
+    $$ C = (J^TJ)^{-1} \Big( \sum_g s_g s_g^T \Big) (J^TJ)^{-1} $$
+
+    takes the scores $s_g$ of whole stretches $g$ of a run together. A short stretch
+    misses slow correlation, a long one leaves few stretches to average over, so the
+    largest of several answers is reported, and never less than independent noise gives.
+
+    Reference: A. C. Cameron, D. L. Miller, "A practitioner's guide to cluster-robust
+    inference", J. Human Resources 50(2), 2015, doi:10.3368/jhr.50.2.317.
+
+    Args:
+        matrix: $J^TJ$.
+        scores: Parts of $J^Tr$ from equal stretches of each run.
+        seen: The unknowns that the data say something about.
+        chi_square: Sum of squared residuals per measurement [1].
+
+    Returns:
+        Standard errors and correlation of all unknowns.
+    """
+    at = np.flatnonzero(seen)
+    scale = 1 / np.sqrt(np.diag(matrix)[at])
+    scaled = matrix[np.ix_(at, at)] * np.outer(scale, scale)
+    inverse = np.linalg.pinv(scaled, hermitian=True)
+    variances = [np.diag(inverse) * max(chi_square, 1.0)]
+    for length in STRETCHES:
+        runs, blocks, size = scores.shape
+        grouped = scores.reshape(runs * blocks // length, length, size).sum(axis=1)
+        pulls = (grouped[:, at] * scale) @ inverse
+        active = np.count_nonzero(np.any(grouped != 0, axis=1))
+        variances.append(np.sum(np.square(pulls), axis=0) * active / max(active - 1, 1))
+    sigma = np.full(seen.size, np.inf)
+    sigma[at] = scale * np.sqrt(np.max(variances, axis=0))
+    correlation = np.eye(seen.size)
+    spread = np.sqrt(np.diag(inverse))
+    correlation[np.ix_(at, at)] = inverse / np.outer(spread, spread)
+    return Covariance(sigma, correlation, float(max(scores.shape[0] - 1, 1)))
+
+
+def judge(value: float, sigma: float, *, at_bound: bool) -> str:
+    """What a value and its standard error are worth, in one word.
+
+    Args:
+        value: The value.
+        sigma: Its standard error, in the same unit.
+        at_bound: Whether the fit was stopped by the value's bound.
+
+    Returns:
+        `at_bound`, `unidentifiable`, `weak` or `identified`.
+    """
+    if at_bound:
+        return "at_bound"
+    relative = sigma / abs(value) if value != 0 else np.inf
+    if relative >= UNSEEN:
+        return "unidentifiable"
+    return "weak" if relative >= WEAK else "identified"

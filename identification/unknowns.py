@@ -1,0 +1,166 @@
+"""What a fit is free to change: the robot's named quantities and each run's circumstances.
+
+Within a fit a quantity that must be positive is its logarithm, so that a step is a ratio;
+one that may be zero is itself, with zero as its bound.
+"""
+
+import dataclasses
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from identification.campaign.types import Run
+from scdpr_jax.parameters import Robot, quantity, replace, value
+
+PER_SETTING = "effective_pretension"
+"""The quantity that every nominal pretension has its own value of."""
+
+DEFAULT_FREE = (
+    "friction_coefficient",
+    "drive_inertia",
+    "drive_damping",
+    "effective_pretension",
+)
+"""What is estimated unless the caller chooses otherwise."""
+
+CIRCUMSTANCES = ("lower", "upper", "height", "knock", "clock_offset")
+"""What is estimated of each run, in the order of `Circumstances`."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Unknowns:
+    """The layout of a fit's vector: shared quantities first, then each run's own."""
+
+    free: tuple[str, ...]
+    """Names of the free quantities."""
+    shared: tuple[tuple[str, str | None], ...]
+    """Name and pretension setting of each shared unknown."""
+    local: Int[np.ndarray, "runs names"]
+    """Which shared unknown each run's free quantity is."""
+    active: Bool[np.ndarray, "runs 5"]
+    """Which circumstances each run leaves open."""
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.shared) + self.active.size
+
+    def of_run(self, run: int) -> Int[np.ndarray, " names+5"]:
+        """Where a run's quantities and circumstances stand in the vector.
+
+        Args:
+            run: The run's number.
+
+        Returns:
+            Indices, quantities first.
+        """
+        first = len(self.shared) + 5 * run
+        return np.concatenate([self.local[run], np.arange(first, first + 5)])
+
+    def lower(self) -> Float[np.ndarray, " size"]:
+        """Lower bounds of the vector.
+
+        Returns:
+            Zero for a quantity that may be zero, minus infinity for everything else.
+        """
+        bounds = np.full(self.size, -np.inf)
+        for index, (name, _) in enumerate(self.shared):
+            if not quantity(name).positive:
+                bounds[index] = 0.0
+        return bounds
+
+
+def layout(runs: Sequence[Run], free: tuple[str, ...]) -> Unknowns:
+    """The unknowns of a set of runs.
+
+    Args:
+        runs: The runs to fit.
+        free: Names of the quantities to estimate.
+
+    Returns:
+        Their layout; motor steps leave no circumstances open.
+
+    Raises:
+        ValueError: If a name is unknown or stands twice.
+    """
+    for name in free:
+        quantity(name)
+    if len(set(free)) != len(free):
+        raise ValueError(f"`free` names a quantity twice, got {', '.join(free)}.")
+    cabled = [run for run in runs if run.kind != "motor_step"] or runs
+    settings = sorted({(run.pretension, run.pretension_label) for run in cabled})
+    shared: list[tuple[str, str | None]] = []
+    for name in free:
+        if name == PER_SETTING:
+            shared.extend((name, label) for _, label in settings)
+        else:
+            shared.append((name, None))
+    labels = {label for _, label in settings}
+
+    def setting(run: Run, name: str) -> str | None:
+        if name != PER_SETTING:
+            return None
+        # Without the cable any setting will do: the run doesn't depend on it.
+        return run.pretension_label if run.pretension_label in labels else settings[0][1]
+
+    local = [[shared.index((name, setting(run, name))) for name in free] for run in runs]
+    return Unknowns(
+        free=free,
+        shared=tuple(shared),
+        local=np.array(local, dtype=int).reshape(len(runs), len(free)),
+        active=np.array([_open(run) for run in runs]).reshape(len(runs), 5),
+    )
+
+
+def encode(name: str, number: Float[np.ndarray, "..."] | float) -> Float[np.ndarray, "..."]:
+    """A quantity's value as a fit holds it.
+
+    Args:
+        name: Name of the quantity.
+        number: Its value [SI].
+
+    Returns:
+        Its logarithm if it must be positive, else itself.
+    """
+    return np.log(number) if quantity(name).positive else np.asarray(number, dtype=float)
+
+
+def apply(robot: Robot, free: tuple[str, ...], encoded: Float[Array, " names"]) -> Robot:
+    """The robot with the free quantities that a fit's vector stands for.
+
+    Args:
+        robot: The robot to start from.
+        free: Names of the free quantities.
+        encoded: Their values as the fit holds them.
+
+    Returns:
+        The robot with these values.
+    """
+    values = {
+        name: jnp.exp(number) if quantity(name).positive else number
+        for name, number in zip(free, encoded, strict=True)
+    }
+    return replace(robot, values)
+
+
+def start_values(robot: Robot, unknowns: Unknowns) -> Float[np.ndarray, " shared"]:
+    """The robot's own values of the shared unknowns, as a fit holds them.
+
+    Args:
+        robot: The robot.
+        unknowns: The layout.
+
+    Returns:
+        Encoded values of the shared unknowns.
+    """
+    numbers = [encode(name, float(value(robot, name))) for name, _ in unknowns.shared]
+    return np.array(numbers, dtype=float)
+
+
+def _open(run: Run) -> list[bool]:
+    if run.kind == "motor_step":
+        return [False] * 5
+    unknown_clock = run.clock_offset is None and run.camera is not None
+    return [True, True, True, run.knock is not None, unknown_clock]

@@ -1,0 +1,174 @@
+r"""One carriage under set-valued Coulomb friction within one short step.
+
+A step begins on a branch: sliding forwards (+1), backwards (-1) or held (0). A smooth
+integrator carries it through on that branch; this module finds where the carriage leaves
+it and how much the true friction then differs from the assumed one.
+
+Time runs from 0 to 1 through the step, and accelerations are multiplied by the step's
+length, so that everything here is a velocity [m/s].
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+
+class Quadratic(NamedTuple):
+    """A polynomial of second degree in the step's time."""
+
+    constant: Float[Array, ""]
+    linear: Float[Array, ""]
+    quadratic: Float[Array, ""]
+
+    def __call__(self, time: Float[Array, ""]) -> Float[Array, ""]:
+        """Value at a time of the step."""
+        return self.constant + time * (self.linear + time * self.quadratic)
+
+
+class Assumed(NamedTuple):
+    """A carriage's motion through the step on the branch that it began on."""
+
+    branch: Float[Array, ""]
+    """+1 or -1 while sliding, 0 while held."""
+    velocity: Quadratic
+    """Sliding velocity; zero while held [m/s]."""
+    load: Quadratic
+    """What friction must balance to hold the carriage where the branch takes it [m/s]."""
+    limit: Float[Array, ""]
+    """Largest friction [m/s]."""
+    stiffness: Float[Array, ""]
+    """The cables' stiffness against the carriage, times the step squared over mass [1]."""
+
+
+class Deviation(NamedTuple):
+    """What the true friction does to the carriage beyond the assumed one."""
+
+    moments: tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]
+    r"""$\int_0^1 (1-\theta)^k d(\theta)\,d\theta$ of the difference $d$, k = 0, 1, 2 [m/s]."""
+    sticks: Bool[Array, ""]
+    """Whether the carriage stands still at the end of the step."""
+
+
+def branch_at_start(
+    velocity: Float[Array, "..."], load: Float[Array, "..."], limit: Float[Array, "..."]
+) -> Float[Array, "..."]:
+    """The branch on which a carriage begins a step.
+
+    Args:
+        velocity: Velocity at the beginning; exactly zero for a carriage that sticks.
+        load: Force that friction has to balance.
+        limit: Largest friction, in the load's unit.
+
+    Returns:
+        Its direction if it moves, 0 if friction holds it, otherwise the load's direction.
+    """
+    pushed = jnp.where(jnp.abs(load) > limit, jnp.sign(load), 0.0)
+    return jnp.where(velocity != 0, jnp.sign(velocity), pushed)
+
+
+def deviation(assumed: Assumed) -> Deviation:
+    r"""Where the carriage leaves its branch, and how far the friction then deviates.
+
+    A sliding carriage stops where its velocity passes zero. There the load decides: above
+    the limit it slides on the other way, otherwise it sticks until the load passes the
+    limit. A held carriage breaks away where the load passes the limit.
+
+    Args:
+        assumed: The motion on the branch that the carriage began on.
+
+    Returns:
+        Moments of the deviation and whether the carriage sticks in the end.
+    """
+    branch, _, _, limit, _ = assumed
+    slides = branch != 0
+    stop, stops = _stop(assumed)
+    load = _load_when_stopped(assumed, stop, stops)
+
+    reverses = stops & (jnp.abs(load(stop)) > limit)
+    holds = (stops & ~reverses) | ~slides
+    release, breaks_away = _release(load, limit, stop, holds)
+
+    # Assumed minus true friction: first while the carriage stands, then after release.
+    friction = branch * limit
+    true = jnp.where(reverses, -friction, jnp.sign(load(1.0)) * limit)
+    standing = Quadratic(friction - load.constant, -load.linear, -load.quadratic)
+    released = Quadratic(
+        jnp.where(slides, friction, load.constant) - true,
+        jnp.where(slides, 0.0, load.linear),
+        jnp.where(slides, 0.0, load.quadratic),
+    )
+    stands, leaves = stops & ~reverses, reverses | breaks_away
+    return Deviation(
+        tuple(
+            jnp.where(stands, _moment(standing, stop, release, order), 0.0)
+            + jnp.where(leaves, _moment(released, release, jnp.ones_like(release), order), 0.0)
+            for order in range(3)
+        ),
+        holds & ~breaks_away,
+    )
+
+
+def _stop(assumed: Assumed) -> tuple[Float[Array, ""], Bool[Array, ""]]:
+    """First zero of the sliding velocity after the beginning; 1 or 0 without one."""
+    branch, (start, linear, quadratic) = assumed.branch, assumed.velocity
+    discriminant = jnp.square(linear) - 4 * quadratic * start
+    real = discriminant > 0
+    denominator = branch * jnp.sqrt(jnp.where(real, discriminant, 1.0)) - linear
+    found = real & (branch * denominator > 0)
+    moving = jnp.where(found, 2 * start / jnp.where(found, denominator, 1.0), 1.0)
+    # From rest the beginning itself is a zero; the other one is where it turns back.
+    turns = linear * quadratic < 0
+    from_rest = jnp.where(turns, -linear / jnp.where(turns, quadratic, 1.0), 1.0)
+    time = jnp.where(start == 0, from_rest, moving)
+    stops = (branch != 0) & (time < 1)
+    return jnp.where(branch == 0, 0.0, jnp.where(stops, time, 1.0)), stops
+
+
+def _load_when_stopped(
+    assumed: Assumed, stop: Float[Array, ""], stops: Bool[Array, ""]
+) -> Quadratic:
+    """The holding load of a carriage that stays where it stopped.
+
+    The assumed motion slides on past the stop; the cables' pull is put back by what that
+    displacement changes.
+    """
+    start, linear, quadratic = assumed.velocity
+    slid = stop * (start + stop * (linear / 2 + stop * quadratic / 3))
+    stiffness = jnp.where(stops, assumed.stiffness, 0.0)
+    return Quadratic(
+        assumed.load.constant - stiffness * slid,
+        assumed.load.linear + stiffness * start,
+        assumed.load.quadratic + stiffness * linear / 2,
+    )
+
+
+def _release(
+    load: Quadratic, limit: Float[Array, ""], stop: Float[Array, ""], holds: Bool[Array, ""]
+) -> tuple[Float[Array, ""], Bool[Array, ""]]:
+    """When the load of a held carriage passes the limit; its stop if it isn't held."""
+    side = jnp.sign(load(1.0))
+    breaks_away = holds & (jnp.abs(load(1.0)) > limit)
+    surplus = load(stop) - side * limit
+    slope = load.linear + 2 * load.quadratic * stop
+    discriminant = jnp.square(slope) - 4 * load.quadratic * surplus
+    real = breaks_away & (discriminant > 0)
+    denominator = -slope - side * jnp.sqrt(jnp.where(real, discriminant, 1.0))
+    found = real & (denominator != 0)
+    held_for = jnp.where(found, 2 * surplus / jnp.where(found, denominator, 1.0), 0.0)
+    release = jnp.where(breaks_away, jnp.clip(stop + held_for, stop, 1.0), 1.0)
+    return jnp.where(holds, release, stop), breaks_away
+
+
+def _moment(
+    polynomial: Quadratic, begin: Float[Array, ""], end: Float[Array, ""], order: int
+) -> Float[Array, ""]:
+    r"""$\int_{begin}^{end} (1-\theta)^k p(\theta)\,d\theta$ in powers of $1-\theta$."""
+    constant = polynomial(1.0)
+    linear = -(polynomial.linear + 2 * polynomial.quadratic)
+
+    def antiderivative(left: Float[Array, ""]) -> Float[Array, ""]:
+        inner = linear / (order + 2) + left * polynomial.quadratic / (order + 3)
+        return left ** (order + 1) * (constant / (order + 1) + left * inner)
+
+    return antiderivative(1 - begin) - antiderivative(1 - end)

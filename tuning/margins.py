@@ -1,0 +1,220 @@
+r"""Stability margins of the joint loop, continuous and as the controller samples it."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Complex, Float
+
+from scdpr_jax.controller import PD
+from scdpr_jax.fields import si
+from tuning.plant import MotorPlant
+from tuning.responses import continuous_loop, sampled_loop
+
+_POINTS = 512
+"""Grid points; a resonance narrower than 2 % of its frequency could slip between them."""
+_DECADES = 3.0
+"""Decades scanned below, and in the continuous loop above, the crossover's scale."""
+_HALVINGS = 52
+"""Halvings of a grid interval: one interval of the grid down to double precision."""
+
+
+class Margins(eqx.Module):
+    """How far a loop is from instability."""
+
+    gain_crossover: Float[Array, "..."] = eqx.field(metadata=si("rad/s", r"\omega_c"))
+    r"""Where $|L| = 1$ with the least phase margin [rad/s]; NaN if nowhere."""
+    phase_margin: Float[Array, "..."] = eqx.field(metadata=si("rad", r"\varphi_m"))
+    r"""Angle of $-L$ at the gain crossover [rad]; negative in an unstable loop."""
+    delay_margin: Float[Array, "..."] = eqx.field(metadata=si("s", r"\tau_m"))
+    r"""Further delay that the loop bears, $\varphi_m / \omega_c$ [s]."""
+    phase_crossover: Float[Array, "..."] = eqx.field(metadata=si("rad/s", r"\omega_\pi"))
+    """Where $L$ is real and negative with the least gain margin [rad/s]; NaN if nowhere."""
+    gain_margin: Float[Array, "..."] = eqx.field(metadata=si("1", "g_m"))
+    r"""Factor on the gain that brings $L$ to $-1$ [1]; infinite without a phase crossover."""
+    peak_sensitivity: Float[Array, "..."] = eqx.field(metadata=si("1", "M_s"))
+    r"""Largest $1 / |1 + L|$ [1]; of no meaning in an unstable loop."""
+
+
+Response = Callable[[Float[Array, ""]], Complex[Array, ""]]
+
+
+def continuous_margins(plant: MotorPlant, controller: PD) -> Margins:
+    """Margins of the loop that Eq. (25) was designed on: no sampling, no delay.
+
+    Its phase never reaches -180°: the gain margin is infinite.
+
+    Args:
+        plant: The drive.
+        controller: The controller, its sampling disregarded.
+
+    Returns:
+        The margins, differentiable in the plant and the controller.
+    """
+    scale = _crossover_scale(plant, controller)
+    exponents = jnp.linspace(-_DECADES, _DECADES, _POINTS, dtype=scale.dtype)
+    return _margins(
+        lambda angular_frequency: continuous_loop(plant, controller, angular_frequency),
+        scale * 10**exponents,
+        at_nyquist=False,
+    )
+
+
+def sampled_margins(plant: MotorPlant, controller: PD, *, delay: int = 1) -> Margins:
+    """Margins of the loop as it runs: hold, backward difference and computing time.
+
+    Args:
+        plant: The drive, behind a zero-order hold.
+        controller: The controller at its sample period.
+        delay: Samples from a measurement to its command.
+
+    Returns:
+        The margins, differentiable in the plant and the controller.
+
+    Raises:
+        ValueError: If the delay is negative.
+    """
+    if delay < 0:
+        raise ValueError(
+            f"`delay` must not be negative [samples], got {delay}: a command that is out "
+            "before the next sample has 0, one that waits for it has 1."
+        )
+    nyquist = jax.lax.stop_gradient(jnp.pi / controller.period)
+    lowest = 10**-_DECADES * jnp.minimum(_crossover_scale(plant, controller), nyquist)
+    share = jnp.linspace(0.0, 1.0, _POINTS, dtype=lowest.dtype)
+    return _margins(
+        lambda angular_frequency: sampled_loop(
+            plant, controller, angular_frequency, delay=delay
+        ),
+        lowest * (nyquist / lowest) ** share,
+        at_nyquist=True,
+    )
+
+
+def _crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
+    r"""Gain crossover of the continuous loop without a filter, to place the grid.
+
+    $\omega^4 + (p^2 - g^2 K_d^2) \omega^2 - g^2 K_p^2 = 0$ has one positive root.
+    """
+    linear = (jnp.square(plant.pole) - jnp.square(plant.gain * controller.derivative_gain)) / 2
+    constant = jnp.square(plant.gain * controller.proportional_gain)
+    root = jnp.hypot(linear, jnp.sqrt(constant))
+    # The form without a difference of equals, whichever sign the linear term has.
+    square = jnp.where(linear > 0, constant / (root + jnp.abs(linear)), root - linear)
+    return jax.lax.stop_gradient(jnp.sqrt(square))
+
+
+def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: bool) -> Margins:
+    values = jax.vmap(response)(grid)
+    gain_crossover, phase_margin = _gain_crossover(response, grid, values)
+    phase_crossover, gain_margin = _phase_crossover(response, grid, values)
+    if at_nyquist:
+        phase_crossover, gain_margin = _with_nyquist(
+            response, grid[-1], phase_crossover, gain_margin
+        )
+    return Margins(
+        gain_crossover=gain_crossover,
+        phase_margin=phase_margin,
+        delay_margin=phase_margin / gain_crossover,
+        phase_crossover=phase_crossover,
+        gain_margin=gain_margin,
+        peak_sensitivity=_peak_sensitivity(response, grid, values),
+    )
+
+
+def _gain_crossover(
+    response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    log_gain = jnp.log(jnp.abs(values))
+    crosses = log_gain[:-1] * log_gain[1:] <= 0
+    angles = jnp.unwrap(jnp.angle(-values))[:-1]
+    index = jnp.argmin(jnp.where(crosses, jnp.abs(angles), jnp.inf))
+    root = _root(lambda w: jnp.log(jnp.abs(response(w))), grid[index], grid[index + 1])
+    found = crosses[index]
+    margin = jnp.angle(-response(root))
+    # More than a turn of lag must not come back as a positive margin.
+    turns = jnp.round((angles[index] - margin) / (2 * jnp.pi))
+    margin = margin + 2 * jnp.pi * jax.lax.stop_gradient(turns)
+    return jnp.where(found, root, jnp.nan), jnp.where(found, margin, jnp.nan)
+
+
+def _phase_crossover(
+    response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    negative = (jnp.real(values[:-1]) < 0) & (jnp.real(values[1:]) < 0)
+    crosses = (jnp.imag(values[:-1]) * jnp.imag(values[1:]) < 0) & negative
+    distance = jnp.abs(jnp.log(jnp.abs(values[:-1])))
+    index = jnp.argmin(jnp.where(crosses, distance, jnp.inf))
+    root = _root(lambda w: jnp.angle(-response(w)), grid[index], grid[index + 1])
+    found = crosses[index]
+    margin = 1 / jnp.abs(response(root))
+    return jnp.where(found, root, jnp.nan), jnp.where(found, margin, jnp.inf)
+
+
+def _with_nyquist(
+    response: Response,
+    nyquist: Float[Array, ""],
+    phase_crossover: Float[Array, ""],
+    gain_margin: Float[Array, ""],
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """A sampled response is real at the Nyquist frequency: no sign change marks it."""
+    value = jnp.real(response(nyquist))
+    margin = 1 / jnp.abs(value)
+    nearer = (value < 0) & (jnp.abs(jnp.log(margin)) < jnp.abs(jnp.log(gain_margin)))
+    return jnp.where(nearer, nyquist, phase_crossover), jnp.where(nearer, margin, gain_margin)
+
+
+def _peak_sensitivity(
+    response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
+) -> Float[Array, ""]:
+    def distance(angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
+        return jnp.abs(1 + response(angular_frequency))
+
+    nearest = jnp.argmin(jnp.abs(1 + values))
+    low = grid[jnp.maximum(nearest - 1, 0)]
+    high = grid[jnp.minimum(nearest + 1, grid.size - 1)]
+    # At the minimum the derivative in the frequency vanishes: it may be held fixed.
+    return 1 / distance(jax.lax.stop_gradient(_minimum(distance, low, high)))
+
+
+def _root(
+    function: Callable[[Float[Array, ""]], Float[Array, ""]],
+    low: Float[Array, ""],
+    high: Float[Array, ""],
+) -> Float[Array, ""]:
+    """Root between two points of unlike sign, with the implicit function's derivative."""
+    frozen = jax.lax.stop_gradient((low, high))
+    sign = jnp.sign(function(frozen[0]))
+
+    def halve(_, bounds):
+        lower, upper = bounds
+        middle = (lower + upper) / 2
+        before = function(middle) * sign > 0
+        return jnp.where(before, middle, lower), jnp.where(before, upper, middle)
+
+    bounds = jax.lax.fori_loop(0, _HALVINGS, halve, frozen)
+    root = jax.lax.stop_gradient((bounds[0] + bounds[1]) / 2)
+    value, slope = jax.jvp(function, (root,), (jnp.ones_like(root),))
+    # One Newton step from the held root carries the derivative -f_theta / f_omega.
+    slope = jax.lax.stop_gradient(slope)
+    flat = slope == 0
+    return root - jnp.where(flat, 0.0, value) / jnp.where(flat, 1.0, slope)
+
+
+def _minimum(
+    function: Callable[[Float[Array, ""]], Float[Array, ""]],
+    low: Float[Array, ""],
+    high: Float[Array, ""],
+) -> Float[Array, ""]:
+    """Minimum between two points by golden section."""
+    golden = (jnp.sqrt(jnp.asarray(5.0, dtype=low.dtype)) - 1) / 2
+
+    def narrow(_, bounds):
+        lower, upper = bounds
+        left, right = upper - golden * (upper - lower), lower + golden * (upper - lower)
+        go_left = function(left) < function(right)
+        return jnp.where(go_left, lower, left), jnp.where(go_left, right, upper)
+
+    bounds = jax.lax.fori_loop(0, _HALVINGS, narrow, (low, high))
+    return (bounds[0] + bounds[1]) / 2
