@@ -16,8 +16,14 @@ from jaxtyping import Array, Float, Int
 from identification.axis_motion import AxisParameters, axis_positions
 from identification.levenberg_marquardt import Normal
 from identification.record import MotorRecord, Record
-from identification.residuals import Circumstances, Residuals, residuals
+from identification.residuals import (
+    Circumstances,
+    Residuals,
+    encoder_residuals,
+    residuals,
+)
 from identification.unknowns import Unknowns, apply
+from scdpr_jax.drive import motor_torque
 from scdpr_jax.parameters import Drive, Robot
 
 BLOCKS = 40
@@ -25,10 +31,20 @@ BLOCKS = 40
 
 
 class RunSums(NamedTuple):
-    """What one run adds to the normal equations, and what a report shows of it."""
+    r"""What one run adds to the normal equations.
+
+    Every channel $c$ (an encoder, a coordinate of the camera) counts with the misfit
+
+    $$ 2 n_c \ln\frac{1 + \chi_c^2}{2}, \qquad \chi_c^2 = \overline{r_c^2} $$
+
+    the likelihood of noise that is at least the sensor's, and larger by as much as the
+    model errs. Where residuals are noise ($\chi_c^2 = 1$) that is least squares; where the
+    model errs, the channel that it errs most in doesn't decide alone. The Gauss-Newton
+    model is that of least squares with the weights $2/(1 + \chi_c^2)$.
+    """
 
     cost: Float[Array, ""]
-    """Sum of squared residuals."""
+    """The misfit."""
     gradient: Float[Array, " n"]
     """Jacobian transposed times residuals."""
     matrix: Float[Array, "n n"]
@@ -37,28 +53,37 @@ class RunSums(NamedTuple):
     """The gradient's parts from `BLOCKS` stretches of time."""
 
 
-def motor_residuals(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
-    """Measured minus simulated angles of the bare drives, over the noise.
+def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
+    """Angles of the bare drives through a run.
 
     Args:
         drive: The drive; its dry friction is exact here.
         record: The run.
 
     Returns:
-        Residuals; the encoders' arbitrary zero is taken out [1].
+        Angles from the start [rad].
     """
     axis = AxisParameters(drive.inertia, drive.damping, drive.friction, 0.0)
-    limited = jnp.clip(record.voltage, -drive.voltage_limit, drive.voltage_limit)
+    torque = motor_torque(drive, record.voltage)
 
-    def turn(voltage: Float[Array, " intervals"]) -> Float[Array, " rows"]:
-        torque = drive.torque_per_volt * voltage
-        rest = jnp.zeros_like(torque[0])
-        return axis_positions(axis, torque, steps=record.duration, start=rest)
+    def turn(torque: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+        start = jnp.zeros_like(torque[0])
+        return axis_positions(axis, torque, steps=record.duration, start=start)
 
-    weight = record.weight[:, None]
-    difference = record.angle - jax.vmap(turn, in_axes=1, out_axes=1)(limited)
-    zero = jnp.sum(weight * difference, axis=0) / jnp.sum(weight)
-    return weight * (difference - zero)
+    return jax.vmap(turn, in_axes=1, out_axes=1)(torque)
+
+
+def motor_residuals(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
+    """Measured minus simulated angles of the bare drives, over the noise.
+
+    Args:
+        drive: The drive.
+        record: The run.
+
+    Returns:
+        Residuals; the encoders' arbitrary zero is taken out [1].
+    """
+    return encoder_residuals(record.angle - motor_angles(drive, record), record.weight)
 
 
 def run_residuals(
@@ -107,12 +132,12 @@ def run_sums(
         def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
             return jnp.clip(time / end * BLOCKS, 0, BLOCKS - 1).astype(int)
 
-        parts = [
-            (found.angle, jacobian.angle, stretch(when)),
-            (found.frame, jacobian.frame, stretch(record.frame_time)),
-            (found.start[:, None], jacobian.start[:, None], jnp.zeros(3, dtype=int)),
-        ]
-        return _sums(parts)
+        sums = _start_sums(found.start, jacobian.start)
+        rows = jnp.sum(record.angle_weight > 0) * jnp.ones(2)
+        frames = jnp.sum(record.frame_weight > 0, axis=0)
+        encoders = _channel_sums(found.angle, jacobian.angle, rows, stretch(when))
+        camera = _channel_sums(found.frame, jacobian.frame, frames, stretch(record.frame_time))
+        return jax.tree.map(lambda *parts: sum(parts), sums, encoders, camera)
 
     return jax.vmap(one)(unknowns, records)
 
@@ -134,32 +159,46 @@ def motor_sums(
     """
 
     def one(unknown: Float[Array, " n"], record: MotorRecord) -> RunSums:
-        def both(x: Float[Array, " n"]) -> tuple[Float[Array, "rows 2"], Float[Array, "rows 2"]]:
+        def both(
+            x: Float[Array, " n"],
+        ) -> tuple[Float[Array, "rows 2"], Float[Array, "rows 2"]]:
             found = motor_residuals(apply(robot, free, x).drive, record)
             return found, found
 
         jacobian, found = jax.jacfwd(both, has_aux=True)(unknown)
         rows = jnp.arange(found.shape[0])
-        return _sums([(found, jacobian, rows * BLOCKS // found.shape[0])])
+        count = jnp.sum(record.weight > 0) * jnp.ones(2)
+        return _channel_sums(found, jacobian, count, rows * BLOCKS // found.shape[0])
 
     return jax.vmap(one)(unknowns, records)
 
 
-def _sums(parts: list[tuple[Array, Array, Array]]) -> RunSums:
-    scores = sum(
-        jax.ops.segment_sum(
-            jnp.sum(residual[..., None] * jacobian, axis=1), block, num_segments=BLOCKS
-        )
-        for residual, jacobian, block in parts
-    )
-    columns = parts[0][1].shape[-1]
-    flat = [jacobian.reshape(-1, columns) for _, jacobian, _ in parts]
+def _channel_sums(
+    residual: Float[Array, "samples channels"],
+    jacobian: Float[Array, "samples channels n"],
+    count: Float[Array, " channels"] | Int[Array, " channels"],
+    block: Int[Array, " samples"],
+) -> RunSums:
+    """Sums over the channels of one stream, see `RunSums`."""
+    samples = jnp.maximum(count, 1)
+    chi_square = jnp.sum(jnp.square(residual), axis=0) / samples
+    weight = 2 / (1 + chi_square)
+    pull = jnp.sum((weight * residual)[..., None] * jacobian, axis=1)
+    scores = jax.ops.segment_sum(pull, block, num_segments=BLOCKS)
+    scaled = (jnp.sqrt(weight)[:, None] * jacobian).reshape(-1, jacobian.shape[-1])
     return RunSums(
-        cost=sum(jnp.sum(jnp.square(residual)) for residual, _, _ in parts),
+        cost=jnp.sum(2 * count * jnp.log((1 + chi_square) / 2)),
         gradient=jnp.sum(scores, axis=0),
-        matrix=sum(jacobian.T @ jacobian for jacobian in flat),
+        matrix=scaled.T @ scaled,
         scores=scores,
     )
+
+
+def _start_sums(residual: Float[Array, "3"], jacobian: Float[Array, "3 n"]) -> RunSums:
+    """Sums of what is known of the start, at its full weight."""
+    gradient = residual @ jacobian
+    scores = jnp.zeros((BLOCKS, jacobian.shape[-1])).at[0].set(gradient)
+    return RunSums(jnp.sum(jnp.square(residual)), gradient, jacobian.T @ jacobian, scores)
 
 
 def assemble(

@@ -69,8 +69,9 @@ def fit_decay(
     def jacobian(p: Float[np.ndarray, " parameters"]) -> Float[np.ndarray, "samples _"]:
         return _jacobian(time, p, modes=modes, drift=drift)
 
+    start = np.concatenate([frequency, rate, linear])
     fit = scipy.optimize.least_squares(
-        residuals, np.concatenate([frequency, rate, linear]), jac=jacobian, x_scale="jac"
+        residuals, start, jac=jacobian, x_scale="jac", method="lm"
     )
     pairs = fit.x[2 * modes : 4 * modes].reshape(modes, 2)
     return Decay(

@@ -58,7 +58,7 @@ def estimate_drive_axis(
     gain: float,
     delay_samples: int = 0,
     starts: Float[np.ndarray, "starts 4"] | None = None,
-    max_iterations: int = 20,
+    max_iterations: int = 12,
 ) -> DriveAxisEstimate:
     r"""Fit $M \ddot q + F_v \dot q + F_c\,\mathrm{Sgn}\,\dot q + o \ni g u$ by output error.
 

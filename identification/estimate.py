@@ -3,7 +3,6 @@
 import dataclasses
 from collections.abc import Callable, Sequence
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -11,22 +10,23 @@ from jaxtyping import Float
 
 from identification.accumulate import MotorRecord, assemble, motor_sums, run_sums
 from identification.campaign.types import Campaign, Run
+from identification.comparison import Comparison, compare, compare_motors
 from identification.first_guess import (
     FRICTION_FORCES,
     KNOCKS,
     PRETENSIONS,
-    clock_offset,
     scan,
-    start_pose,
 )
-from identification.levenberg_marquardt import Minimum, Normal, minimise
+from identification.levenberg_marquardt import Minimum, Normal, free_unknowns, minimise
 from identification.record import Record, coarse, motor_record, stacked
 from identification.residuals import Circumstances
-from identification.uncertainty import ParameterEstimate, covariance, judge
+from identification.start import clock_offset
+from identification.uncertainty import ParameterEstimate, covariance, half_width, judge
 from identification.unknowns import (
     DEFAULT_FREE,
     PER_SETTING,
     Unknowns,
+    decode,
     encode,
     layout,
     start_values,
@@ -52,13 +52,13 @@ class Fit:
     """How an estimate came about."""
 
     starts: tuple[float, ...]
-    """Cost per measurement that each start ended at [1], coarse grid."""
+    """Misfit per measurement that each start ended at, on the coarse grid [1]."""
     iterations: int
     """Evaluations of the normal equations on the log's own grid."""
     converged: bool
     """Whether the last fit met its stopping rule."""
-    chi_square: float
-    """Sum of squared residuals per measurement [1]; near 1 if they are only noise."""
+    misfit: float
+    """Misfit per measurement [1], see `RunSums`; 0 if the residuals are only noise."""
     measurements: int
     """Number of measurements."""
 
@@ -75,10 +75,8 @@ class Estimate:
     """Correlation of the estimated ones, in their order."""
     circumstances: dict[str, Circumstances]
     """What was estimated of each run by itself, by the run's name."""
-    runs: tuple[str, ...]
-    """Names of the runs that were fitted."""
-    residual_chi_square: dict[str, dict[str, float]]
-    """Mean squared residual of each channel of each run [1]; near 1 if it is only noise."""
+    comparisons: tuple[Comparison, ...]
+    """Every run beside its simulation, those that were held out included."""
     fit: Fit
     """How it came about."""
 
@@ -147,13 +145,29 @@ def estimate(
         told = lambda i, cost, number=number: progress(
             f"start {number + 1} of {len(starts)}", 0.1 + 0.5 * (number + i / 15) / len(starts)
         )
-        ends.append(rough.minimise(start, iterations=15, decrement=1e-3, report=told))
+        ends.append(rough.minimise(start, iterations=15, decrement=1.0, report=told))
     best = min(ends, key=lambda end: end.normal.cost)
     told = lambda i, cost: progress("all runs at the logs' own rate", 0.6 + 0.4 * i / 12)
-    minimum = problem.minimise(best.point, iterations=25, decrement=1e-7, report=told)
+    minimum = problem.minimise(best.point, iterations=25, decrement=1e-2, report=told)
+    point = minimum.point
+    if problem.held_out:
+        progress("runs held out", 0.95)
+        alone = problem.minimise(point, iterations=12, decrement=1e-2, held_out=True)
+        point = alone.point
     progress("standard errors", 1.0)
     costs = tuple(end.normal.cost / rough.measurements() for end in ends)
-    return _estimate(problem, minimum, costs, campaign)
+    return Estimate(
+        **_judged(problem, minimum),
+        circumstances=_circumstances(problem, point),
+        comparisons=_comparisons(problem, point, campaign),
+        fit=Fit(
+            starts=costs,
+            iterations=minimum.iterations,
+            converged=minimum.converged,
+            misfit=minimum.normal.cost / problem.measurements(),
+            measurements=problem.measurements(),
+        ),
+    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -169,7 +183,6 @@ class _Problem:
     records: Record | None
     motors: tuple[int, ...]
     motor_records: MotorRecord | None
-    poses: Float[np.ndarray, "runs 3"]
 
     @classmethod
     def of(
@@ -181,9 +194,7 @@ class _Problem:
         cabled = tuple(i for i in range(len(runs)) if i not in motors)
         radius = float(value(prior, "effective_radius"))
         offsets = [_known_offset(runs[i], radius) for i in cabled]
-        poses = np.zeros((len(runs), 3))
-        for i, offset in zip(cabled, offsets, strict=True):
-            poses[i] = start_pose(runs[i], offset)
+        height = float(value(prior, "frame_height"))
         return cls(
             runs=runs,
             prior=prior,
@@ -191,10 +202,13 @@ class _Problem:
             held_out=held_out,
             cabled=cabled,
             offsets=tuple(offsets),
-            records=stacked([runs[i] for i in cabled], offsets, sensors) if cabled else None,
+            records=(
+                stacked([runs[i] for i in cabled], offsets, sensors, height=height)
+                if cabled
+                else None
+            ),
             motors=motors,
             motor_records=motor_record([runs[i] for i in motors], sensors) if motors else None,
-            poses=poses,
         )
 
     def on_grid(self, step: float) -> "_Problem":
@@ -272,8 +286,8 @@ def _starts(problem: _Problem, progress: Progress) -> list[np.ndarray]:
     base = np.concatenate(
         [start_values(problem.prior, unknowns), np.zeros(5 * len(problem.runs))]
     )
-    for run, pose in enumerate(problem.poses):
-        base[unknowns.of_run(run)[len(unknowns.free) :][:3]] = pose
+    for row, run in enumerate(problem.cabled):
+        base[unknowns.of_run(run)[len(unknowns.free) :][:3]] = problem.records.start[row]
     base = _drives_alone(problem, base)
     scanned = {"friction_coefficient", PER_SETTING} & set(unknowns.free)
     if problem.records is None or PER_SETTING not in scanned:
@@ -296,7 +310,9 @@ def _starts(problem: _Problem, progress: Progress) -> list[np.ndarray]:
         for point, coefficient in zip(points, np.median(friction, axis=1), strict=True):
             index = unknowns.shared.index(("friction_coefficient", None))
             point[index] = encode("friction_coefficient", coefficient)
-    unique = [p for k, p in enumerate(points) if not any(np.array_equal(p, q) for q in points[:k])]
+    unique = [
+        p for k, p in enumerate(points) if not any(np.array_equal(p, q) for q in points[:k])
+    ]
     return [_with_knocks(rough, point) for point in unique]
 
 
@@ -305,7 +321,7 @@ def _drives_alone(problem: _Problem, base: np.ndarray) -> np.ndarray:
     if problem.motor_records is None:
         return base
     alone = dataclasses.replace(problem, records=None)
-    found = alone.minimise(base, iterations=30, decrement=1e-6)
+    found = alone.minimise(base, iterations=30, decrement=1e-2)
     return found.point
 
 
@@ -335,7 +351,9 @@ def _valleys(problem: _Problem, base: np.ndarray, label: str) -> list[tuple[floa
                     "friction_coefficient", f / (4 * t)
                 )
             rows.append(row)
-    cost = scan(problem.prior, unknowns.free, np.stack(rows), chosen * len(grid), problem.records)
+    cost = scan(
+        problem.prior, unknowns.free, np.stack(rows), chosen * len(grid), problem.records
+    )
     total = cost.reshape(len(PRETENSIONS), len(FRICTION_FORCES), len(chosen)).sum(axis=2)
     over_friction = total.min(axis=1)
     padded = np.pad(over_friction, 1, constant_values=np.inf)
@@ -367,3 +385,105 @@ def _with_knocks(problem: _Problem, point: np.ndarray) -> np.ndarray:
         where = unknowns.of_run(problem.cabled[k])[len(unknowns.free) + 3]
         point[where] = KNOCKS[int(np.argmin(costs))]
     return point
+
+
+def _judged(problem: _Problem, minimum: Minimum) -> dict[str, object]:
+    """Robot, parameters and their correlation, from where the fit ended."""
+    unknowns, point, lower = problem.unknowns, minimum.point, problem.unknowns.lower()
+    _, scores = problem.evaluate(point)
+    count = len(unknowns.shared)
+    seen = free_unknowns(minimum.normal, point, lower)
+    found = covariance(minimum.normal.matrix, scores, seen)
+    parameters, robot = [], problem.prior
+    for index, (name, setting) in enumerate(unknowns.shared):
+        number = float(decode(name, point[index]))
+        # The logarithm's standard error is relative.
+        sigma = found.sigma[index] * (number if quantity(name).positive else 1.0)
+        at_bound = bool(point[index] <= lower[index])
+        half = half_width(sigma, 0.95, found.degrees_of_freedom)
+        parameters.append(
+            ParameterEstimate(
+                name=name,
+                setting=setting,
+                value=number,
+                unit=quantity(name).unit,
+                sigma=float(sigma),
+                interval95=(number - half, number + half),
+                status=judge(number, sigma, at_bound=at_bound),
+                degrees_of_freedom=found.degrees_of_freedom,
+            )
+        )
+    for parameter in reversed(parameters):
+        robot = replace(robot, {parameter.name: parameter.value})
+    return {
+        "robot": robot,
+        "parameters": (*parameters, *_fixed(robot, unknowns.free)),
+        "correlation": found.correlation[:count, :count],
+    }
+
+
+def _fixed(robot: Robot, free: tuple[str, ...]) -> list[ParameterEstimate]:
+    fixed = []
+    for known in QUANTITIES:
+        if known.name not in free:
+            number = float(value(robot, known.name))
+            fixed.append(
+                ParameterEstimate(
+                    name=known.name,
+                    setting=None,
+                    value=number,
+                    unit=known.unit,
+                    sigma=0.0,
+                    interval95=(number, number),
+                    status="fixed",
+                )
+            )
+    return fixed
+
+
+def _circumstances(
+    problem: _Problem, point: Float[np.ndarray, " n"]
+) -> dict[str, Circumstances]:
+    """What was estimated of each run; clocks with what was known of them before."""
+    found = {}
+    for run, offset in zip(problem.cabled, problem.offsets, strict=True):
+        own = point[problem.unknowns.of_run(run)[len(problem.unknowns.free) :]]
+        lower, upper, height, knock, clock = (float(number) for number in own)
+        found[problem.runs[run].name] = Circumstances(
+            lower, upper, height, knock, clock + offset
+        )
+    return found
+
+
+def _comparisons(
+    problem: _Problem, point: Float[np.ndarray, " n"], campaign: Campaign
+) -> tuple[Comparison, ...]:
+    """Every run beside its simulation, in the campaign's order."""
+    unknowns = problem.unknowns
+    common = {
+        "sensors": campaign.sensors,
+        "held_out": frozenset(problem.runs[i].name for i in problem.held_out),
+    }
+    found: list[Comparison] = []
+    if problem.records is not None:
+        own = jnp.asarray(np.stack([point[unknowns.of_run(i)] for i in problem.cabled]))
+        runs = tuple(problem.runs[i] for i in problem.cabled)
+        found += compare(
+            problem.prior, unknowns.free, own, problem.records, runs=runs, **common
+        )
+    if problem.motor_records is not None:
+        own = jnp.asarray(np.stack([point[unknowns.local[i]] for i in problem.motors]))
+        runs = tuple(problem.runs[i] for i in problem.motors)
+        found += compare_motors(
+            problem.prior, unknowns.free, own, problem.motor_records, runs=runs, **common
+        )
+    order = {run.name: number for number, run in enumerate(problem.runs)}
+    return tuple(sorted(found, key=lambda comparison: order[comparison.name]))
+
+
+def _require_float64() -> None:
+    if not jax.config.jax_enable_x64:
+        raise ValueError(
+            "`estimate` needs float64, got float32: rounding would hide what the encoders "
+            'resolve. Call `jax.config.update("jax_enable_x64", True)` first.'
+        )

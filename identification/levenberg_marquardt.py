@@ -8,14 +8,14 @@ from jaxtyping import Bool, Float
 
 
 class Normal(NamedTuple):
-    """A sum of squares at a point, with its Gauss-Newton model."""
+    """A misfit at a point, with its Gauss-Newton model."""
 
     cost: float
-    """Sum of squared residuals."""
+    """The misfit."""
     gradient: Float[np.ndarray, " n"]
-    r"""$J^T r$, half the gradient of the cost."""
+    r"""Weighted $J^T r$, half the gradient of the misfit."""
     matrix: Float[np.ndarray, "n n"]
-    r"""$J^T J$."""
+    r"""Weighted $J^T J$, half the Gauss-Newton model's second derivative."""
 
 
 class Minimum(NamedTuple):
@@ -53,7 +53,7 @@ def minimise(
         start: Where to begin.
         lower: Lower bounds, minus infinity for none.
         iterations: Most evaluations of the normal equations.
-        decrement: Relative decrease of the cost that a full step still has to promise.
+        decrement: Decrease of the cost that a step still has to promise.
         report: Called with the evaluations so far and the best cost.
 
     Returns:
@@ -63,7 +63,7 @@ def minimise(
     best, done = evaluate(point), 1
     while done < iterations:
         step, promised = _step(best, point, lower, damping)
-        if promised <= decrement * best.cost and damping <= 1e-2:
+        if promised <= decrement and damping <= 1e-2:
             return Minimum(point, best, done, True)
         candidate = np.maximum(point + step, lower)
         tried, done = evaluate(candidate), done + 1
@@ -71,7 +71,7 @@ def minimise(
             point, best, damping = candidate, tried, max(damping / 10, 1e-9)
         elif damping > 1e8:
             # Not even a tiny step helps: a kink of the friction, or the bottom itself.
-            return Minimum(point, best, done, promised <= decrement * best.cost)
+            return Minimum(point, best, done, promised <= decrement)
         else:
             damping = max(damping * 10, 1e-3)
         report(done, best.cost)

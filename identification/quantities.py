@@ -141,6 +141,8 @@ def _conversion(written: str, unit: str) -> Decimal | None:
     expected = registry.parse_units(unit)
     try:
         got = registry.parse_units(written)
+        # Degrees Celsius and decibels are no factors: their products raise.
+        registry.Quantity(Decimal(1), got) * registry.Quantity(Decimal(1), expected)
         got_factor, got_root = registry.get_root_units(got)
     except pint.errors.PintError:
         return None

@@ -13,12 +13,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Run, Sensors
+from identification.start import CLOCK_MARGIN, start_pose
 from scdpr_jax.fields import real, si
 from scdpr_jax.stepping import Inputs
-
-
-CLOCK_MARGIN = 0.02
-"""Frames this near the ends of a run with an unknown clock are left out [s]."""
 
 
 class Record(eqx.Module):
@@ -36,10 +33,10 @@ class Record(eqx.Module):
     """Camera positions; 0 where a marker was lost [m, rad, m, m, m]."""
     frame_weight: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("1/m"))
     """Inverse standard deviations of the positions; 0 where there is none [1/m, 1/rad]."""
-    placement: Float[Array, "... 2"] = eqx.field(converter=real, metadata=si("m"))
-    """Nominal start $[x_e, y_e]$ [m]."""
-    placement_weight: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1/m"))
-    """Inverse standard deviation of the placement [1/m]; 0 where nothing was noted."""
+    start: Float[Array, "... 3"] = eqx.field(converter=real, metadata=si("m"))
+    """What is known of the start: lower carriage, upper carriage, height [m]."""
+    start_weight: Float[Array, "... 3"] = eqx.field(converter=real, metadata=si("1/m"))
+    """Inverse standard deviations of the start [1/m]."""
 
 
 class MotorRecord(eqx.Module):
@@ -55,24 +52,37 @@ class MotorRecord(eqx.Module):
     """Inverse standard deviation of the angles [1/rad]; 0 where there is none."""
 
 
-def record(run: Run, offset: float, sensors: Sensors, *, rows: int, frames: int) -> Record:
+def record(
+    run: Run,
+    offset: float,
+    sensors: Sensors,
+    *,
+    height: float,
+    rows: int,
+    frames: int,
+) -> Record:
     """The run as arrays of a given size.
 
     Args:
         run: A run with the cable on.
         offset: Camera time minus drive time, as far as it is known [s].
         sensors: The sensors' noise.
+        height: Height of the frame [m].
         rows: Rows of the drive's stream to pad to.
         frames: Camera frames to pad to.
 
     Returns:
-        The run's arrays; frames from before or after the drive's stream weigh nothing.
+        The run's arrays. Camera frames from before anything moves tell the start; those
+        and frames from outside the drive's stream aren't compared a second time.
+
+    Raises:
+        ValueError: If nothing tells where the run started.
     """
     time = run.drive.time - run.drive.time[0]
     stamps, frame = _camera(run, offset)
-    # An estimated clock may still move by this much without a frame leaving the stream.
     margin = CLOCK_MARGIN if run.clock_offset is None else 0.0
-    inside = (stamps >= margin) & (stamps <= time[-1] - margin)
+    known = start_pose(run, offset, sensors, height)
+    inside = (stamps > known.until) & (stamps <= time[-1] - margin)
     seen = np.isfinite(frame) & inside[:, None]
     sigma = np.full(5, sensors.camera_position_sigma)
     sigma[1] = sensors.camera_angle_sigma
@@ -87,18 +97,21 @@ def record(run: Run, offset: float, sensors: Sensors, *, rows: int, frames: int)
         frame_time=_pad(stamps, frames),
         frame=_pad(np.where(seen, frame, 0.0), frames),
         frame_weight=_pad(seen / sigma, frames),
-        placement=np.zeros(2) if run.initial is None else [run.initial.x_e, run.initial.y_e],
-        placement_weight=0.0 if run.initial is None else 1 / run.initial.placement_sigma,
+        start=known.position,
+        start_weight=1 / known.sigma,
     )
 
 
-def stacked(runs: Sequence[Run], offsets: Sequence[float], sensors: Sensors) -> Record:
+def stacked(
+    runs: Sequence[Run], offsets: Sequence[float], sensors: Sensors, *, height: float
+) -> Record:
     """Runs with the cable on, padded to the longest and stacked.
 
     Args:
         runs: The runs.
         offsets: Camera time minus drive time of each, as far as it is known [s].
         sensors: The sensors' noise.
+        height: Height of the frame [m].
 
     Returns:
         Their records, with a leading axis over the runs.
@@ -106,7 +119,7 @@ def stacked(runs: Sequence[Run], offsets: Sequence[float], sensors: Sensors) -> 
     rows = max(run.drive.time.size for run in runs)
     frames = max((run.camera.time.size for run in runs if run.camera is not None), default=1)
     each = [
-        record(run, offset, sensors, rows=rows, frames=frames)
+        record(run, offset, sensors, height=height, rows=rows, frames=frames)
         for run, offset in zip(runs, offsets, strict=True)
     ]
     return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)

@@ -12,13 +12,6 @@ from scdpr_jax.fields import real, si
 from scdpr_jax.parameters import Robot
 from scdpr_jax.stepping import interpolate, simulate
 
-TILT_SIGMA = 0.02
-"""Standard deviation of the slope at which friction may leave the carriages [1].
-
-A slope of up to the coefficient of friction can be held. Only a run without a camera
-depends on it.
-"""
-
 
 class Circumstances(eqx.Module):
     """What belongs to one run alone and is estimated with the robot's parameters."""
@@ -43,7 +36,7 @@ class Residuals(NamedTuple):
     frame: Float[Array, "frames 5"]
     """Of the camera."""
     start: Float[Array, "3"]
-    """Of the placement in x and y, and of the carriages' slope."""
+    """Of the start: lower carriage, upper carriage, height."""
 
 
 def predict(
@@ -90,16 +83,27 @@ def residuals(robot: Robot, circumstances: Circumstances, record: Record) -> Res
     Returns:
         Residuals; zero where nothing was measured.
     """
-    states, angle, frame = predict(robot, circumstances, record)
-    weight = record.angle_weight[:, None]
-    difference = record.angle - angle
-    # The encoders' zero is arbitrary: the best one is the weighted mean.
-    zero = jnp.sum(weight * difference, axis=0) / jnp.sum(weight)
-    start = states.position[0]
-    placed = (record.placement - start[jnp.array([0, 4])]) * record.placement_weight
-    slope = (circumstances.lower - circumstances.upper) / robot.frame.height
+    _, angle, frame = predict(robot, circumstances, record)
+    start = jnp.stack([circumstances.lower, circumstances.upper, circumstances.height])
     return Residuals(
-        angle=weight * (difference - zero),
+        angle=encoder_residuals(record.angle - angle, record.angle_weight),
         frame=record.frame_weight * (record.frame - frame),
-        start=jnp.append(placed, -slope / TILT_SIGMA),
+        start=record.start_weight * (record.start - start),
     )
+
+
+def encoder_residuals(
+    difference: Float[Array, "rows 2"], weight: Float[Array, " rows"]
+) -> Float[Array, "rows 2"]:
+    """Differences of encoder angles over the noise, their arbitrary zero taken out.
+
+    Args:
+        difference: Measured minus simulated angles [rad].
+        weight: Inverse standard deviations [1/rad].
+
+    Returns:
+        Residuals about the zero that fits best [1].
+    """
+    square = jnp.square(weight)[:, None]
+    zero = jnp.sum(square * difference, axis=0) / jnp.sum(square)
+    return weight[:, None] * (difference - zero)

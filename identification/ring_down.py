@@ -19,6 +19,7 @@ _CYCLES = 1.5  # periods in a window: fewer can't be told from a drift
 _NYQUIST = 0.9  # of half the sampling rate: beyond it a mode is sampled twice a period
 _HEAVY = 0.3  # damping ratio: a sliding carriage's transient, not a vibration to shape for
 _LEVEL = 0.01  # significance at which residuals are called more than noise
+_EVIDENCE = 10.0  # of Schwarz's criterion: "very strong" (Kass and Raftery, 1995)
 _SAME = 0.2  # of the frequency: further off, another window's strongest mode is another one
 _DOUBTFUL = 0.25  # of the reciprocal length: a frequency less certain isn't resolved
 
@@ -152,8 +153,9 @@ def _check_length(time: Float[np.ndarray, " samples"], *, after: float) -> None:
 
 def _silence(time: Float[np.ndarray, " samples"], *, noise_sigma: float) -> str:
     """What to say when nothing rings."""
-    # Schwarz's price of four more parameters, as the amplitude of a lasting sine.
-    least = noise_sigma * np.sqrt(4 * np.log(len(time)) * 2 / len(time))
+    # What four more parameters have to gain, as the amplitude of a lasting sine.
+    gain = 4 * np.log(len(time)) + _EVIDENCE
+    least = noise_sigma * np.sqrt(2 * gain / len(time))
     return (
         f"no vibration stands out between {time[0]:.3g} s and {time[-1]:.3g} s: the knock "
         f"rang less than about {1e3 * least:.2g} mm, expected more than that over the "
@@ -187,7 +189,7 @@ def _window(
         for i, fit in enumerate(models)
         if _vibrates(fit, band=band, noise_sigma=noise_sigma)
     ]
-    if not scored or min(scored)[0] >= min(silent):
+    if not scored or min(scored)[0] > min(silent) - _EVIDENCE:
         return None
     fit = min(scored)[2]
     chi_square, is_noise = _judge(fit, noise_sigma=noise_sigma)

@@ -84,7 +84,6 @@ def covariance(
     matrix: Float[np.ndarray, "n n"],
     scores: Float[np.ndarray, "runs blocks n"],
     seen: Bool[np.ndarray, " n"],
-    chi_square: float,
 ) -> Covariance:
     r"""Standard errors that hold for residuals that are correlated in time.
 
@@ -101,10 +100,9 @@ def covariance(
     inference", J. Human Resources 50(2), 2015, doi:10.3368/jhr.50.2.317.
 
     Args:
-        matrix: $J^TJ$.
-        scores: Parts of $J^Tr$ from equal stretches of each run.
+        matrix: Weighted $J^TJ$.
+        scores: Parts of the weighted $J^Tr$ from equal stretches of each run.
         seen: The unknowns that the data say something about.
-        chi_square: Sum of squared residuals per measurement [1].
 
     Returns:
         Standard errors and correlation of all unknowns.
@@ -113,7 +111,7 @@ def covariance(
     scale = 1 / np.sqrt(np.diag(matrix)[at])
     scaled = matrix[np.ix_(at, at)] * np.outer(scale, scale)
     inverse = np.linalg.pinv(scaled, hermitian=True)
-    variances = [np.diag(inverse) * max(chi_square, 1.0)]
+    variances = [np.diag(inverse)]
     for length in STRETCHES:
         runs, blocks, size = scores.shape
         grouped = scores.reshape(runs * blocks // length, length, size).sum(axis=1)

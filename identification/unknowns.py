@@ -127,6 +127,19 @@ def encode(name: str, number: Float[np.ndarray, "..."] | float) -> Float[np.ndar
     return np.log(number) if quantity(name).positive else np.asarray(number, dtype=float)
 
 
+def decode(name: str, held: Float[np.ndarray, "..."] | float) -> Float[np.ndarray, "..."]:
+    """A quantity's value from how a fit holds it, the inverse of `encode`.
+
+    Args:
+        name: Name of the quantity.
+        held: What the fit holds.
+
+    Returns:
+        Its value [SI].
+    """
+    return np.exp(held) if quantity(name).positive else np.asarray(held, dtype=float)
+
+
 def apply(robot: Robot, free: tuple[str, ...], encoded: Float[Array, " names"]) -> Robot:
     """The robot with the free quantities that a fit's vector stands for.
 

@@ -110,7 +110,7 @@ def _feasible(
     feasible = (crossover > 0) & (proportional_gain > 0) & (derivative_gain >= 0)
     remedy = (
         "a negative derivative gain needs more of either, a negative proportional gain less "
-        "phase margin."
+        "phase margin or a shorter filter."
     )
     try:
         refused = not bool(feasible)

@@ -1,5 +1,6 @@
 r"""Stability margins of the joint loop, continuous and as the controller samples it."""
 
+import functools
 from collections.abc import Callable
 
 import equinox as eqx
@@ -37,7 +38,22 @@ class Margins(eqx.Module):
     r"""Largest $1 / |1 + L|$ [1]; of no meaning in an unstable loop."""
 
 
-Response = Callable[[Float[Array, ""]], Complex[Array, ""]]
+class Response(eqx.Module):
+    """The frequency response of an open loop: a pytree, so that it can be held constant."""
+
+    loop: Callable[..., Complex[Array, ""]] = eqx.field(static=True)
+    """From plant, controller and angular frequency to the open loop."""
+    plant: MotorPlant
+    """The drive."""
+    controller: PD
+    """The controller."""
+
+    def __call__(self, angular_frequency: Float[Array, ""]) -> Complex[Array, ""]:
+        """The open loop at an angular frequency [rad/s]."""
+        return self.loop(self.plant, self.controller, angular_frequency)
+
+
+Measure = Callable[[Response, Float[Array, ""]], Float[Array, ""]]
 
 
 def continuous_margins(plant: MotorPlant, controller: PD) -> Margins:
@@ -54,11 +70,8 @@ def continuous_margins(plant: MotorPlant, controller: PD) -> Margins:
     """
     scale = _crossover_scale(plant, controller)
     exponents = jnp.linspace(-_DECADES, _DECADES, _POINTS, dtype=scale.dtype)
-    return _margins(
-        lambda angular_frequency: continuous_loop(plant, controller, angular_frequency),
-        scale * 10**exponents,
-        at_nyquist=False,
-    )
+    response = Response(continuous_loop, plant, controller)
+    return _margins(response, scale * 10**exponents, at_nyquist=False)
 
 
 def sampled_margins(plant: MotorPlant, controller: PD, *, delay: int = 1) -> Margins:
@@ -80,16 +93,12 @@ def sampled_margins(plant: MotorPlant, controller: PD, *, delay: int = 1) -> Mar
             f"`delay` must not be negative [samples], got {delay}: a command that is out "
             "before the next sample has 0, one that waits for it has 1."
         )
-    nyquist = jax.lax.stop_gradient(jnp.pi / controller.period)
+    # A rate that is fitted or optimised moves the Nyquist frequency with it.
+    nyquist = jnp.pi / controller.period
     lowest = 10**-_DECADES * jnp.minimum(_crossover_scale(plant, controller), nyquist)
     share = jnp.linspace(0.0, 1.0, _POINTS, dtype=lowest.dtype)
-    return _margins(
-        lambda angular_frequency: sampled_loop(
-            plant, controller, angular_frequency, delay=delay
-        ),
-        lowest * (nyquist / lowest) ** share,
-        at_nyquist=True,
-    )
+    response = Response(functools.partial(sampled_loop, delay=delay), plant, controller)
+    return _margins(response, lowest * (nyquist / lowest) ** share, at_nyquist=True)
 
 
 def _crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
@@ -106,12 +115,14 @@ def _crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
 
 
 def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: bool) -> Margins:
-    values = jax.vmap(response)(grid)
+    # The search itself needs no derivatives: only its results are evaluated with them.
+    nyquist, grid, held = grid[-1], *jax.lax.stop_gradient((grid, response))
+    values = jax.vmap(held)(grid)
     gain_crossover, phase_margin = _gain_crossover(response, grid, values)
     phase_crossover, gain_margin = _phase_crossover(response, grid, values)
     if at_nyquist:
         phase_crossover, gain_margin = _with_nyquist(
-            response, grid[-1], phase_crossover, gain_margin
+            response, nyquist, phase_crossover, gain_margin
         )
     return Margins(
         gain_crossover=gain_crossover,
@@ -123,6 +134,20 @@ def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: b
     )
 
 
+def _log_gain(response: Response, angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
+    return jnp.log(jnp.abs(response(angular_frequency)))
+
+
+def _phase_over_half_turn(
+    response: Response, angular_frequency: Float[Array, ""]
+) -> Float[Array, ""]:
+    return jnp.angle(-response(angular_frequency))
+
+
+def _distance(response: Response, angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
+    return jnp.abs(1 + response(angular_frequency))
+
+
 def _gain_crossover(
     response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
@@ -130,13 +155,15 @@ def _gain_crossover(
     crosses = log_gain[:-1] * log_gain[1:] <= 0
     angles = jnp.unwrap(jnp.angle(-values))[:-1]
     index = jnp.argmin(jnp.where(crosses, jnp.abs(angles), jnp.inf))
-    root = _root(lambda w: jnp.log(jnp.abs(response(w))), grid[index], grid[index + 1])
-    found = crosses[index]
-    margin = jnp.angle(-response(root))
+    root = _root(_log_gain, response, grid[index], grid[index + 1])
+    margin = _phase_over_half_turn(response, root)
     # More than a turn of lag must not come back as a positive margin.
-    turns = jnp.round((angles[index] - margin) / (2 * jnp.pi))
-    margin = margin + 2 * jnp.pi * jax.lax.stop_gradient(turns)
-    return jnp.where(found, root, jnp.nan), jnp.where(found, margin, jnp.nan)
+    turns = jax.lax.stop_gradient(jnp.round((angles[index] - margin) / (2 * jnp.pi)))
+    found = crosses[index]
+    return (
+        jnp.where(found, root, jnp.nan),
+        jnp.where(found, margin + 2 * jnp.pi * turns, jnp.nan),
+    )
 
 
 def _phase_crossover(
@@ -146,9 +173,9 @@ def _phase_crossover(
     crosses = (jnp.imag(values[:-1]) * jnp.imag(values[1:]) < 0) & negative
     distance = jnp.abs(jnp.log(jnp.abs(values[:-1])))
     index = jnp.argmin(jnp.where(crosses, distance, jnp.inf))
-    root = _root(lambda w: jnp.angle(-response(w)), grid[index], grid[index + 1])
+    root = _root(_phase_over_half_turn, response, grid[index], grid[index + 1])
+    margin = jnp.exp(-_log_gain(response, root))
     found = crosses[index]
-    margin = 1 / jnp.abs(response(root))
     return jnp.where(found, root, jnp.nan), jnp.where(found, margin, jnp.inf)
 
 
@@ -168,24 +195,19 @@ def _with_nyquist(
 def _peak_sensitivity(
     response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
 ) -> Float[Array, ""]:
-    def distance(angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
-        return jnp.abs(1 + response(angular_frequency))
-
     nearest = jnp.argmin(jnp.abs(1 + values))
     low = grid[jnp.maximum(nearest - 1, 0)]
     high = grid[jnp.minimum(nearest + 1, grid.size - 1)]
-    # At the minimum the derivative in the frequency vanishes: it may be held fixed.
-    return 1 / distance(jax.lax.stop_gradient(_minimum(distance, low, high)))
+    # At the minimum the derivative in the frequency vanishes: it may be held constant.
+    return 1 / _distance(response, _minimum(_distance, response, low, high))
 
 
 def _root(
-    function: Callable[[Float[Array, ""]], Float[Array, ""]],
-    low: Float[Array, ""],
-    high: Float[Array, ""],
+    measure: Measure, response: Response, low: Float[Array, ""], high: Float[Array, ""]
 ) -> Float[Array, ""]:
-    """Root between two points of unlike sign, with the implicit function's derivative."""
-    frozen = jax.lax.stop_gradient((low, high))
-    sign = jnp.sign(function(frozen[0]))
+    """Where a measure of the response vanishes, with the implicit function's derivative."""
+    function = functools.partial(measure, jax.lax.stop_gradient(response))
+    sign = jnp.sign(function(low))
 
     def halve(_, bounds):
         lower, upper = bounds
@@ -193,22 +215,21 @@ def _root(
         before = function(middle) * sign > 0
         return jnp.where(before, middle, lower), jnp.where(before, upper, middle)
 
-    bounds = jax.lax.fori_loop(0, _HALVINGS, halve, frozen)
-    root = jax.lax.stop_gradient((bounds[0] + bounds[1]) / 2)
-    value, slope = jax.jvp(function, (root,), (jnp.ones_like(root),))
-    # One Newton step from the held root carries the derivative -f_theta / f_omega.
-    slope = jax.lax.stop_gradient(slope)
+    lower, upper = jax.lax.fori_loop(0, _HALVINGS, halve, (low, high))
+    root = (lower + upper) / 2
+    slope = jax.jvp(function, (root,), (jnp.ones_like(root),))[1]
     flat = slope == 0
-    return root - jnp.where(flat, 0.0, value) / jnp.where(flat, 1.0, slope)
+    # One Newton step of the live response carries the derivative -f_theta / f_omega.
+    step = jnp.where(flat, 0.0, measure(response, root)) / jnp.where(flat, 1.0, slope)
+    return root - step
 
 
 def _minimum(
-    function: Callable[[Float[Array, ""]], Float[Array, ""]],
-    low: Float[Array, ""],
-    high: Float[Array, ""],
+    measure: Measure, response: Response, low: Float[Array, ""], high: Float[Array, ""]
 ) -> Float[Array, ""]:
-    """Minimum between two points by golden section."""
-    golden = (jnp.sqrt(jnp.asarray(5.0, dtype=low.dtype)) - 1) / 2
+    """Where a measure of the response is least, by golden section, without derivative."""
+    function = functools.partial(measure, jax.lax.stop_gradient(response))
+    golden = (5.0**0.5 - 1) / 2
 
     def narrow(_, bounds):
         lower, upper = bounds
@@ -216,5 +237,5 @@ def _minimum(
         go_left = function(left) < function(right)
         return jnp.where(go_left, lower, left), jnp.where(go_left, right, upper)
 
-    bounds = jax.lax.fori_loop(0, _HALVINGS, narrow, (low, high))
-    return (bounds[0] + bounds[1]) / 2
+    lower, upper = jax.lax.fori_loop(0, _HALVINGS, narrow, (low, high))
+    return (lower + upper) / 2

@@ -3,10 +3,12 @@
 import dataclasses
 from pathlib import Path
 
+from identification.campaign.camera_notes import CAMERA_OBSERVATIONS
+from identification.campaign.drive_notes import DRIVE_OBSERVATIONS
 from identification.campaign.faults import Fault
-from identification.campaign.notes import Note, campaign_notes
+from identification.campaign.notes import Note
 from identification.campaign.read import RunReading, survey
-from identification.campaign.types import Run
+from identification.campaign.types import Campaign, Run
 from scdpr_jax.fields import si
 
 
@@ -65,6 +67,30 @@ def check_campaign(path: str | Path) -> Check:
         notes=notes,
         runs=tuple(_summary(run) for run in reading.runs),
     )
+
+
+def campaign_notes(campaign: Campaign) -> tuple[Note, ...]:
+    """What is worth knowing of a campaign's runs.
+
+    Args:
+        campaign: The campaign.
+
+    Returns:
+        The notes, run by run; what is the same in several files is told once.
+    """
+    files: dict[tuple[str, str, str], list[str]] = {}
+    for run in campaign.runs:
+        for observe in (*DRIVE_OBSERVATIONS, *CAMERA_OBSERVATIONS):
+            for note in observe(run, campaign):
+                files.setdefault((note.what, note.cause, note.remedy), []).append(note.file)
+    return tuple(
+        Note(file=_together(names), what=what, cause=cause, remedy=remedy)
+        for (what, cause, remedy), names in files.items()
+    )
+
+
+def _together(files: list[str]) -> str:
+    return files[0] if len(files) == 1 else f"{files[0]} and {len(files) - 1} more"
 
 
 def _summary(reading: RunReading) -> RunSummary:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from identification.campaign.faults import Fault
-from identification.campaign.table import read_text
+from identification.campaign.text_file import read_text
 
 FORMAT = 1
 """Number of the format that is read and written."""

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from identification.campaign.columns import Header, drive_columns, read_header
+from identification.campaign.columns import drive_columns
 from identification.campaign.faults import CampaignError, Fault
+from identification.campaign.header import Header, read_header
 from identification.campaign.streams import drive_stream
 from identification.campaign.types import DriveStream
 

@@ -8,7 +8,7 @@ from identification.campaign.document import row_of
 from identification.campaign.faults import CampaignError, Fault
 from identification.campaign.schema import CampaignDocument, RunDocument, read_model
 from identification.campaign.streams import DRIVE_FILE, read_camera, read_drive
-from identification.campaign.table import read_text
+from identification.campaign.text_file import read_text
 from identification.campaign.types import (
     Campaign,
     DriveStream,

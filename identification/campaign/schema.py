@@ -187,7 +187,6 @@ def _faults(
     error: ValidationError, model: type[BaseModel], text: str, file: str
 ) -> Iterator[Fault]:
     for problem in error.errors(include_url=False):
-        # A branch of a union adds the branch's name; keys end at the first that's no key.
         path = [str(part) for part in problem["loc"]]
         what, got, expected, remedy = _explained(problem, model, path)
         yield Fault(
@@ -223,7 +222,7 @@ def _explained(
         cause = problem["ctx"]["error"]
         return cause.problem, cause.got, cause.expected, cause.remedy
     if problem["type"] == "literal_error":
-        near = difflib.get_close_matches(str(found), KINDS, n=1)
+        near = difflib.get_close_matches(_shown(found), KINDS, n=1)
         remedy = f'Is it "{near[0]}"?' if near else '"free" takes what fits no other kind.'
         return "an unknown kind", _shown(found), f"one of {', '.join(KINDS)}", remedy
     what = problem["msg"][0].lower() + problem["msg"][1:]

@@ -145,21 +145,23 @@ def test_gradients_of_the_positions_are_those_of_differences():
     )
 
 
+@jax.jit
+def end_gradients(theta, speed, force):
+    """Gradients of what a step ends at by parameters, velocity and force."""
+
+    def end(theta, speed, force):
+        parameters = AxisParameters(theta[0], theta[1], theta[2], theta[3])
+        state = AxisState(position=jnp.array(0.0), velocity=speed)
+        state = axis_step(parameters, state, force=force, duration=jnp.array(0.1))
+        return state.position + state.velocity
+
+    return jax.grad(end, argnums=(0, 1, 2))(theta, speed, force)
+
+
 @pytest.mark.parametrize("speed", [0.0, 0.3, -0.3])
 @pytest.mark.parametrize("viscous", [0.0, 1e-12, 5.0])
 @pytest.mark.parametrize("force", [0.0, 3.0, -3.0, 50.0])
 def test_gradients_are_finite_at_standstill_and_without_friction(speed, viscous, force):
-    def end(theta, speed, force):
-        state = axis_step(
-            AxisParameters(theta[0], theta[1], theta[2], theta[3]),
-            AxisState(position=jnp.array(0.0), velocity=speed),
-            force=force,
-            duration=jnp.array(0.1),
-        )
-        return state.position + state.velocity
-
     theta = jnp.array([2.0, viscous, 3.0, 0.0])
-    gradients = jax.jit(jax.grad(end, argnums=(0, 1, 2)))(
-        theta, jnp.array(speed), jnp.array(force)
-    )
+    gradients = end_gradients(theta, jnp.array(speed), jnp.array(force))
     assert all(bool(jnp.all(jnp.isfinite(gradient))) for gradient in gradients)

@@ -5,8 +5,7 @@ import good_campaign
 import numpy as np
 import pytest
 
-from identification.campaign.check import RunSummary, check_campaign
-from identification.campaign.notes import campaign_notes
+from identification.campaign.check import RunSummary, campaign_notes, check_campaign
 from identification.campaign.types import (
     CameraStream,
     Campaign,

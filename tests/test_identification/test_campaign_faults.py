@@ -129,11 +129,13 @@ TEXT_FAULTS = [
     (RIG, swap('"1 mrad"', '"1 mm"'), "row 10, key 'sensors.camera_angle_sigma'", "no unit of the right dimension", "'1 mm'", "[rad]", "Write it like"),
     (RIG, swap("= 1000", "= 0"), "row 3, key 'counts_per_rev'", "greater than 0", "0", "26624", "Write it like"),
     (RIG, swap("= 1000", "= inf"), "row 3, key 'counts_per_rev'", "finite number", "inf", "26624", "Write it like"),
+    (RIG, swap("= 1000", "= 0x" + "f" * 4000), "row 3, key 'counts_per_rev'", "number", "", "26624", "Write it like"),
     (RIG, swap("= 1000", '= "1000"'), "row 3, key 'counts_per_rev'", "valid number", "'1000'", "26624", "without quotation marks"),
     (RIG, swap('"small rig"', "3"), "row 2, key 'name'", "valid string", "3", "rig A", "Write it like"),
     (RIG, only("format = 1\nrobot = 3\ncounts_per_rev = 9"), "row 2, key 'robot'", "valid dictionary", "3", "heading [robot]", "Write it like"),
     # run.toml.
     (RUN, swap('"torque_step"', '"torque-step"'), "row 2, key 'kind'", "an unknown kind", "'torque-step'", "torque_step, breakaway, motor_step, pseudo_impulse, manoeuvre, free", 'Is it "torque_step"'),
+    (RUN, swap('"torque_step"', '["free"]'), "row 2, key 'kind'", "an unknown kind", "['free']", "breakaway", "Is it"),
     (RUN, swap('"torque_step"', '"xyz"'), "row 2, key 'kind'", "an unknown kind", "'xyz'", "breakaway", '"free" takes'),
     (RUN, swap('kind = "torque_step"\n', ""), "key 'kind'", "a missing key", "no such key", "kind = ", 'Add a line like kind = "torque_step"'),
     (RUN, swap('pretension = "0.35 kN"\n', ""), "key 'pretension'", "a missing key", "no such key", '"350 N"', 'Add a line like pretension = "350 N"'),
@@ -165,29 +167,19 @@ def test_a_fault_is_told_in_five_parts(
 
 
 @pytest.mark.parametrize(
-    ("content", "row"),
+    ("content", "row", "byte"),
     [
-        (HEADER.encode() + b"\n0,0,0\xff,0,0,0,0\n", 2),
-        (HEADER.encode("utf-16"), 1),
-        (bytes(range(256)), 7),  # after six lines that end with 0x0a ... at 0x80
+        (HEADER.encode() + b"\n0,0,0\xff,0,0,0,0\n", 2, "0xff"),
+        (HEADER.encode("utf-16"), 1, "0xff"),
+        (b"TDSm\n\x0e\n\x80\n", 3, "0x80"),
     ],
 )
-def test_bytes_that_are_no_utf8_are_located(folder, content, row):
+def test_bytes_that_are_no_utf8_are_located(folder, content, row, byte):
     (folder / DRIVE).write_bytes(content)
     (fault,) = faults_of(folder)
-    first = next(i for i in range(len(content) + 1) if not decodes(content[: i + 1]))
-    assert fault.row == content[:first].count(b"\n") + 1
-    assert fault.what == "not text in UTF-8"
-    assert f"0x{content[first]:02x}" in fault.got
-    assert row >= fault.row
-
-
-def decodes(content):
-    try:
-        content.decode()
-    except UnicodeDecodeError:
-        return False
-    return True
+    assert (fault.what, fault.row) == ("not text in UTF-8", row)
+    assert byte in fault.got
+    assert "importers" in fault.remedy
 
 
 @pytest.mark.parametrize("file", [RIG, RUN, DRIVE])
@@ -292,8 +284,8 @@ def test_a_campaigns_error_names_the_campaign_and_counts_the_faults(folder):
         read_campaign(folder)
 
 
-# Writing and reading the files takes some 30 ms an example.
-@hypothesis.settings(max_examples=60)
+# Writing and reading the files takes some 0.1 s an example.
+@hypothesis.settings(max_examples=40)
 @hypothesis.given(
     file=st.sampled_from([RIG, RUN, DRIVE, CAMERA]),
     start=st.integers(0, 300),

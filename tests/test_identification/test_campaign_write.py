@@ -113,17 +113,17 @@ def campaigns(draw):
     names = draw(st.sampled_from([("0001-a",), ("0001-a", "0002 é")]))
     given = draw(st.sets(st.sampled_from([quantity.name for quantity in QUANTITIES])))
     sigmas = [draw(positive) for _ in range(3)]
-    return dict(
-        name=draw(text.filter(bool)),
-        counts_per_rev=counts,
-        robot={name: draw(positive) for name in sorted(given)},
-        sensors=Sensors(
+    return {
+        "name": draw(text.filter(bool)),
+        "counts_per_rev": counts,
+        "robot": {name: draw(positive) for name in sorted(given)},
+        "sensors": Sensors(
             encoder_sigma=sigmas[0],
             camera_position_sigma=sigmas[1],
             camera_angle_sigma=sigmas[2],
         ),
-        runs=tuple(draw(runs(name, counts)) for name in names),
-    )
+        "runs": tuple(draw(runs(name, counts)) for name in names),
+    }
 
 
 def same(one, other):
@@ -177,7 +177,6 @@ def test_a_shared_campaign_survives_a_round_trip(tmp_path, rig):
 
 def test_written_files_look_like_the_formats_example(tmp_path):
     campaign = read_campaign(good_campaign.write(tmp_path / "small"))
-    # Half a turn: a whole number of counts, but not to the last bit of its radians.
     write_campaign(campaign, tmp_path / "copy")
     assert (tmp_path / "copy" / "0001-step" / "camera.csv").read_text() == (
         "t [s],x_e [mm],y_e [mm],delta_e [rad],q_3 [mm],q_4 [mm]\n"

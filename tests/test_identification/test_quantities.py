@@ -59,6 +59,9 @@ def test_a_quantity_is_read_to_the_nearest_double_in_si(text, unit, value):
         ("2 rad/s", "Hz", "'rad/s' is no unit of the right dimension"),
         ("3 rad", "1", "'rad' is no unit of the right dimension"),
         ("3 %", "rad", "'%' is no unit of the right dimension"),
+        ("3 dB", "1", "'dB' is no unit of the right dimension"),
+        ("3 dBm", "W", "'dBm' is no unit of the right dimension"),
+        ("20 degC", "K", "'degC' is no unit of the right dimension"),
         ("20 degC", "N", "'degC' is no unit of the right dimension"),
         ("3 m + 2 m", "m", "'m + 2 m' is no unit"),
         ("3 m(", "m", "'m(' is no unit"),
@@ -135,9 +138,6 @@ def test_a_quantity_to_be_written_is_finite():
         format_quantity(math.nan, "N")
 
 
-def test_importing_the_module_loads_neither_pint_nor_jax():
-    code = (
-        "import sys, identification.quantities\n"
-        "assert not {'pint', 'jax'} & set(sys.modules), sorted(sys.modules)"
-    )
+def test_importing_the_module_does_not_load_pint():
+    code = "import sys, identification.quantities; assert 'pint' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

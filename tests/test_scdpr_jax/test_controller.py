@@ -103,7 +103,13 @@ def test_saturation_is_the_exact_clip(first, second):
 
 @pytest.mark.parametrize(
     ("voltage", "slope", "limit_slope"),
-    [(3.0, 1.0, 0.0), (10.0, 1.0, 0.0), (-10.0, 1.0, 0.0), (11.0, 0.0, 1.0), (-11.0, 0.0, -1.0)],
+    [
+        (3.0, 1.0, 0.0),
+        (10.0, 1.0, 0.0),
+        (-10.0, 1.0, 0.0),
+        (11.0, 0.0, 1.0),
+        (-11.0, 0.0, -1.0),
+    ],
 )
 def test_saturation_has_its_documented_derivative(voltage, slope, limit_slope):
     slopes = jax.jit(jax.jacfwd(saturate, argnums=(0, 1)))(jnp.array([voltage, 0.0]), LIMIT)

@@ -61,9 +61,7 @@ def test_identity_shaper_changes_nothing():
 def test_shaped_samples_agree_with_the_shaped_trajectory():
     period = 1e-3
     times = period * jnp.arange(1500.0)
-    shaped = shape_samples(
-        SHAPER, jax.vmap(LEG.position)(times), period=jnp.asarray(period)
-    )
+    shaped = shape_samples(SHAPER, jax.vmap(LEG.position)(times), period=jnp.asarray(period))
     exact = jax.vmap(ShapedTrajectory(LEG, SHAPER).position)(times)
     # Chords of a curve of 9.6 m/s²: h²/8 times that, beside roundings.
     assert jnp.max(jnp.abs(shaped - exact)) <= period**2 / 8 * 9.6 + 1e-12
@@ -143,7 +141,7 @@ def test_times_out_of_order_are_refused_under_jit(times):
 
 
 def test_a_shaper_of_unlike_lengths_is_refused():
-    with pytest.raises((ValueError, TypeError), match="impulses|lists of one length"):
+    with pytest.raises((ValueError, TypeError), match=r"impulses|lists of one length"):
         Shaper([0.0, 0.1, 0.2], [0.5, 0.5])
 
 
@@ -192,7 +190,9 @@ def test_shaped_samples_are_differentiable_in_samples_times_and_amplitudes():
 
 def test_shapers_batch_over_impulses_and_modes():
     def left(delay, frequency):
-        return vibration(Shaper(jnp.stack([0.0 * delay, delay]), [0.5, 0.5]), frequency, 0 * delay)
+        return vibration(
+            Shaper(jnp.stack([0.0 * delay, delay]), [0.5, 0.5]), frequency, 0 * delay
+        )
 
     frequencies = jnp.array([1.0, 2.0, 4.0])
     got = jax.jit(jax.vmap(left))(0.5 / frequencies, frequencies)

@@ -119,7 +119,9 @@ def test_undamped_ei_has_the_published_amplitudes():
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.02, 0.1])
 def test_insensitivity_grows_from_zv_over_zvd_to_ei(damping_ratio):
     # The tolerance with room for the hump and for rounding at the nominal frequency.
-    widths = [insensitivity(d(3.0, damping_ratio), damping_ratio, 0.0501) for d in (zv, zvd, ei)]
+    widths = [
+        insensitivity(d(3.0, damping_ratio), damping_ratio, 0.0501) for d in (zv, zvd, ei)
+    ]
     assert widths[0] < widths[1] < widths[2]
 
 
@@ -141,7 +143,9 @@ def test_durations_are_those_of_the_catalogue(entry):
 
 @pytest.mark.parametrize(("name", "periods"), [("zv", 0.5), ("zvd", 1.0), ("ei", 1.0)])
 def test_catalogue_holds_the_named_shapers(name, periods):
-    assert dict(zip(NAMES, (entry.periods for entry in CATALOGUE), strict=True))[name] == periods
+    assert (
+        dict(zip(NAMES, (entry.periods for entry in CATALOGUE), strict=True))[name] == periods
+    )
 
 
 @pytest.mark.parametrize("design", DESIGNS, ids=NAMES)

@@ -39,15 +39,18 @@ def test_published_gain_is_the_drive_chain_over_its_inertia():
 
 def test_continuous_response_is_the_transfer_function():
     system = control.tf([float(PLANT.gain)], [1, float(PLANT.pole), 0])
-    assert relative(continuous(PLANT, FREQUENCIES), system(1j * np.asarray(FREQUENCIES))) <= 1e-14
+    assert (
+        relative(continuous(PLANT, FREQUENCIES), system(1j * np.asarray(FREQUENCIES))) <= 1e-14
+    )
 
 
 def test_sampled_response_is_that_of_the_zero_order_hold():
     system = control.tf([float(PLANT.gain)], [1, float(PLANT.pole), 0])
     reference = control.sample_system(system, 1e-3, method="zoh")
     expected = reference(np.exp(1j * np.asarray(FREQUENCIES) * 1e-3))
-    # The reference's polynomials cancel near z = 1: at 0.01 rad/s z - 1 keeps 11 digits.
-    assert relative(sampled(PLANT, FREQUENCIES, PERIOD), expected) <= 1e-9
+    # The reference's denominator (z - 1)(z - e^{-x}) is summed up from terms of 1: at
+    # 0.01 rad/s it is 1e-5 * 0.017, and eps / 1.7e-7 is 1.3e-9, for each of its roundings.
+    assert relative(sampled(PLANT, FREQUENCIES, PERIOD), expected) <= 1e-8
 
 
 @hypothesis.given(pole=pole, period=period, share=st.floats(1e-3, 1))
@@ -89,7 +92,7 @@ def test_sampled_response_loses_half_a_period_against_the_continuous_one():
     assert abs(lag + 0.5 * 40e-3) <= 0.04**3
 
 
-@pytest.mark.parametrize("pole", [16.68, 0.0, 300.0])
+@pytest.mark.parametrize("pole", [0.0, 30.0])  # on either side of the series' end
 def test_responses_are_differentiable_in_plant_frequency_and_period(pole):
     def parts(gain, pole, frequency, period):
         plant = MotorPlant(gain, pole)
@@ -97,5 +100,5 @@ def test_responses_are_differentiable_in_plant_frequency_and_period(pole):
         two = sampled_response(plant, frequency, period=period)
         return jnp.stack([one.real, one.imag, two.real, two.imag])
 
-    arguments = tuple(jnp.asarray(value) for value in (2.0, pole / 10, 3.0, 0.1))
+    arguments = tuple(jnp.asarray(value) for value in (2.0, pole, 3.0, 0.1))
     check_grads(jax.jit(parts), arguments, order=1, modes=("fwd", "rev"))

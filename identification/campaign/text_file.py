@@ -1,0 +1,53 @@
+"""A text file as it comes from a lab's machines, or the fault of one."""
+
+import dataclasses
+from pathlib import Path
+
+from identification.campaign.faults import Fault
+
+
+def read_text(path: Path, *, file: str) -> tuple[str, Fault | None]:
+    """A file's text.
+
+    Args:
+        path: The file.
+        file: The file, relative to the campaign's folder.
+
+    Returns:
+        The text, without a byte order mark; and the fault if there is none to be read.
+    """
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return "", Fault(
+            what="the file is missing",
+            file=file,
+            got="no such file",
+            expected=f"the file {path.name}",
+            remedy="Copy it there, or check its name.",
+        )
+    except OSError as error:
+        return "", Fault(
+            what="the file can't be read",
+            file=file,
+            got=f"{error.strerror}",
+            expected="a readable text file",
+            remedy="Check what it is and its permissions.",
+        )
+    binary = Fault(
+        what="not text in UTF-8",
+        file=file,
+        row=content.count(b"\n") + 1,
+        expected="a text file in UTF-8",
+        remedy="Save it as plain text in UTF-8; a TDMS or MAT log goes through the importers.",
+    )
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        row = content.count(b"\n", 0, error.start) + 1
+        got = f"the byte 0x{content[error.start]:02x}"
+        return "", dataclasses.replace(binary, row=row, got=got)
+    if "\0" in text:
+        row = text.count("\n", 0, text.index("\0")) + 1
+        return "", dataclasses.replace(binary, row=row, got="a zero byte")
+    return text, None

@@ -1,0 +1,224 @@
+"""A run beside its simulation, channel by channel."""
+
+import dataclasses
+
+import equinox as eqx
+import jax
+import numpy as np
+from jaxtyping import Array, Float
+
+from identification.accumulate import motor_angles
+from identification.campaign.types import Run, Sensors
+from identification.record import MotorRecord, Record
+from identification.residuals import Circumstances, predict
+from identification.unknowns import apply
+from scdpr_jax.parameters import Robot
+
+ENCODERS = ("alpha_1", "alpha_2")
+CAMERA = ("x_e", "delta_e", "q_3", "q_4", "y_e")
+
+NOISE_LIMIT = {"encoder": 3.5, "camera": 1.75}
+"""Mean squared residual up to which a channel may be noise [1].
+
+Rounding to whole counts reaches at most 3 (an encoder that stands half a count off);
+fifty camera frames of Gaussian noise stay below 1.75 but once in ten thousand.
+"""
+
+
+@dataclasses.dataclass(frozen=True)
+class Channel:
+    """How one measured quantity of a run fits its simulation."""
+
+    name: str
+    """Name of the column."""
+    unit: str
+    """SI unit."""
+    rms: float
+    """Root mean square of measurement minus simulation [unit]."""
+    sigma: float
+    """Standard deviation of the sensor's noise [unit]."""
+    worst_time: float
+    """Drive time of the largest residual [s]."""
+    count: int
+    """Number of measurements."""
+
+    @property
+    def chi_square(self) -> float:
+        """Mean squared residual over the noise's variance [1]."""
+        return (self.rms / self.sigma) ** 2
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether the residual may be the sensor's noise alone."""
+        kind = "encoder" if self.name in ENCODERS else "camera"
+        return self.chi_square <= NOISE_LIMIT[kind]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Comparison:
+    """A run beside its simulation."""
+
+    name: str
+    """Name of the run."""
+    kind: str
+    """Kind of the run."""
+    held_out: bool
+    """Whether the run said nothing about the shared quantities."""
+    time: Float[np.ndarray, " rows"]
+    """Drive time [s]."""
+    voltage: Float[np.ndarray, "rows 2"]
+    """Commands [V]."""
+    measured_angle: Float[np.ndarray, "rows 2"]
+    """Encoder angles from the start [rad]."""
+    simulated_angle: Float[np.ndarray, "rows 2"]
+    """Simulated angles; the encoders' arbitrary zero is matched [rad]."""
+    frame_time: Float[np.ndarray, " frames"]
+    """Camera stamps on the drive's clock [s]."""
+    measured: Float[np.ndarray, "frames 5"]
+    """Camera positions, NaN where nothing was seen or used [m, rad, m, m, m]."""
+    simulated: Float[np.ndarray, "frames 5"]
+    """Simulated positions at the camera's stamps [m, rad, m, m, m]."""
+    path: Float[np.ndarray, "rows 5"]
+    """Simulated positions at the drive's rows [m, rad, m, m, m]; empty without cable."""
+    channels: tuple[Channel, ...]
+    """How each channel fits."""
+
+
+@eqx.filter_jit
+def _predictions(
+    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: Record
+):
+    def one(unknown, record):
+        fitted = apply(robot, free, unknown[: len(free)])
+        states, angle, frames = predict(fitted, Circumstances(*unknown[len(free) :]), record)
+        return states.position, angle, frames
+
+    return jax.vmap(one)(unknowns, records)
+
+
+def compare(
+    robot: Robot,
+    free: tuple[str, ...],
+    unknowns: Float[Array, "runs n"],
+    records: Record,
+    *,
+    runs: tuple[Run, ...],
+    sensors: Sensors,
+    held_out: frozenset[str],
+) -> tuple[Comparison, ...]:
+    """Runs with the cable on beside their simulations.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each run its free quantities and its circumstances.
+        records: The runs' records.
+        runs: The runs, in the same order.
+        sensors: The sensors' noise.
+        held_out: Names of the runs that were held out.
+
+    Returns:
+        A comparison for each run.
+
+    Raises:
+        FloatingPointError: If the simulation of a run isn't finite.
+    """
+    predicted = jax.tree.map(np.asarray, _predictions(robot, free, unknowns, records))
+    offsets = np.asarray(unknowns)[:, len(free) + 4]
+    found = []
+    for number, run in enumerate(runs):
+        path, angle, frames = (part[number] for part in predicted)
+        rows = run.drive.time.size
+        count = 0 if run.camera is None else run.camera.time.size
+        if not (np.all(np.isfinite(path[:rows])) and np.all(np.isfinite(frames[:count]))):
+            raise FloatingPointError(
+                f"run {run.name!r}: the simulation isn't finite at the fitted values. "
+                "Look at the run with `scdpr check`, or leave it out."
+            )
+        record = jax.tree.map(lambda leaf, number=number: np.asarray(leaf[number]), records)
+        used = record.frame_weight[:count] > 0
+        measured = np.where(used, record.frame[:count], np.nan)
+        stamps = record.frame_time[:count] - offsets[number] + run.drive.time[0]
+        found.append(
+            _comparison(
+                run,
+                run.name in held_out,
+                simulated_angle=angle[:rows],
+                camera=(stamps, measured, frames[:count]),
+                path=path[:rows],
+                sensors=sensors,
+            )
+        )
+    return tuple(found)
+
+
+def compare_motors(
+    robot: Robot,
+    free: tuple[str, ...],
+    unknowns: Float[Array, "runs n"],
+    records: MotorRecord,
+    *,
+    runs: tuple[Run, ...],
+    sensors: Sensors,
+    held_out: frozenset[str],
+) -> tuple[Comparison, ...]:
+    """Steps of the bare drives beside their simulations; see `compare`."""
+    angles = jax.vmap(lambda u, r: motor_angles(apply(robot, free, u).drive, r))(
+        unknowns, records
+    )
+    nothing = (np.zeros(0), np.zeros((0, 5)), np.zeros((0, 5)))
+    return tuple(
+        _comparison(
+            run,
+            run.name in held_out,
+            simulated_angle=np.asarray(angles[number])[: run.drive.time.size],
+            camera=nothing,
+            path=np.zeros((0, 5)),
+            sensors=sensors,
+        )
+        for number, run in enumerate(runs)
+    )
+
+
+def _comparison(run, held_out, *, simulated_angle, camera, path, sensors) -> Comparison:
+    stamps, measured, simulated = camera
+    measured_angle = run.drive.angle - run.drive.angle[0]
+    zero = np.mean(measured_angle - simulated_angle, axis=0)
+    simulated_angle = simulated_angle + zero
+    channels = [
+        _channel(name, "rad", sensors.encoder_sigma, run.drive.time, difference)
+        for name, difference in zip(ENCODERS, (measured_angle - simulated_angle).T, strict=True)
+    ]
+    for index, name in enumerate(CAMERA):
+        difference = measured[:, index] - simulated[:, index]
+        seen = np.isfinite(difference)
+        if np.any(seen):
+            angular = name == "delta_e"
+            sigma = sensors.camera_angle_sigma if angular else sensors.camera_position_sigma
+            unit = "rad" if angular else "m"
+            channels.append(_channel(name, unit, sigma, stamps[seen], difference[seen]))
+    return Comparison(
+        name=run.name,
+        kind=run.kind,
+        held_out=held_out,
+        time=run.drive.time,
+        voltage=run.drive.voltage,
+        measured_angle=measured_angle,
+        simulated_angle=simulated_angle,
+        frame_time=stamps,
+        measured=measured,
+        simulated=simulated,
+        path=path,
+        channels=tuple(channels),
+    )
+
+
+def _channel(name, unit, sigma, time, difference) -> Channel:
+    return Channel(
+        name=name,
+        unit=unit,
+        rms=float(np.sqrt(np.mean(np.square(difference)))),
+        sigma=sigma,
+        worst_time=float(time[np.argmax(np.abs(difference))]),
+        count=difference.size,
+    )
