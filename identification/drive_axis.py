@@ -80,8 +80,8 @@ def estimate_drive_axis(
         log: The axis's log.
         gain: Force per volt $g$ [N/V], of either sign; [N m/V] for a rotary axis.
         delay_samples: Samples by which the voltage acts late. The default suits a log of
-            what was applied; one sample more or less moves the open-loop error by less
-            than 0.2 % in the records this was tried on.
+            what was applied. It isn't estimated: in the EMPS axis's record one sample more
+            makes the best open loop 0.7 % worse, in the published parameters' 0.1 %.
         starts: Starts of the search in the order of `PARAMETER_NAMES`, instead of those
             found from the log.
         max_iterations: Largest number of steps along the gradient.

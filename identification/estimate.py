@@ -142,12 +142,11 @@ def estimate(
     rough = problem.on_grid(COARSE_STEP)
     ends = []
     for number, start in enumerate(starts):
-        told = lambda i, cost, number=number: progress(
-            f"start {number + 1} of {len(starts)}", 0.1 + 0.5 * (number + i / 15) / len(starts)
-        )
+        share = 0.5 / len(starts)
+        told = _told(progress, f"start {number + 1} of {len(starts)}", 0.1 + share * number, share)
         ends.append(rough.minimise(start, iterations=15, decrement=1.0, report=told))
     best = min(ends, key=lambda end: end.normal.cost)
-    told = lambda i, cost: progress("all runs at the logs' own rate", 0.6 + 0.4 * i / 12)
+    told = _told(progress, "all runs at the logs' own rate", 0.6, 0.35)
     minimum = problem.minimise(best.point, iterations=25, decrement=1e-2, report=told)
     point = minimum.point
     if problem.held_out:
@@ -168,6 +167,13 @@ def estimate(
             measurements=problem.measurements(),
         ),
     )
+
+
+def _told(
+    progress: Progress, doing: str, begun: float, share: float
+) -> Callable[[int, float], None]:
+    """Progress of a minimisation, which halves what is left every five evaluations."""
+    return lambda done, cost: progress(doing, begun + share * (1 - 0.5 ** (done / 5)))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -11,6 +11,9 @@ from identification.campaign.types import Run, Sensors
 CLOCK_MARGIN = 0.02
 """How far an estimated clock may still move [s]: as far as the fit may trust no frame."""
 
+STILL = 1e-3
+"""Turn of a driver pulley that counts as standing still [rad]: less than 0.1 mm of cable."""
+
 TILT_SIGMA = 0.02
 """Standard deviation of the slope at which friction may leave the carriages [1].
 
@@ -60,7 +63,10 @@ def start_pose(run: Run, offset: float, sensors: Sensors, height: float) -> Star
 
 
 def rest_until(run: Run) -> float:
-    """When a run may begin to move: at its first command or its knock.
+    """Until when a run rests: its knock, or the drives' first visible motion.
+
+    A controller may chatter by a count before anything moves, so the first command tells
+    nothing.
 
     Args:
         run: The run.
@@ -68,8 +74,9 @@ def rest_until(run: Run) -> float:
     Returns:
         Drive time up to which it is at rest [s].
     """
-    commanded = np.flatnonzero(np.any(run.drive.voltage != 0, axis=1))
-    first = run.drive.time[commanded[0]] if commanded.size else run.drive.time[-1]
+    turned = np.max(np.abs(run.drive.angle - run.drive.angle[0]), axis=1)
+    moved = np.flatnonzero(turned > STILL)
+    first = run.drive.time[moved[0]] if moved.size else run.drive.time[-1]
     return float(min(first, run.knock.start if run.knock is not None else np.inf))
 
 

@@ -1,0 +1,223 @@
+r"""The adaptive solvers, for smooth friction laws: the only caller of diffrax.
+
+`scdpr_jax.stepping` is faster and has exact friction; these solvers take any smooth law
+(`SmoothCoulomb`, `Stribeck`) and any accuracy, and are what the fixed grid is held
+against. Narrow laws make the problem stiff: below a width of some 1e-3 m/s pass
+`solver=diffrax.Kvaerno5()`.
+
+Derivatives: the default adjoint is for reverse mode (`jax.grad`, `jax.vjp`); for forward
+mode (`jax.jvp`, `jax.jacfwd`) pass `adjoint=diffrax.ForwardMode()`. Explicit solvers of
+loose tolerance have wrong derivatives on stiff friction, without a word: see
+`docs/validity.md`.
+"""
+
+from collections.abc import Callable
+
+import diffrax
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from scdpr_jax.closed_loop import ClosedLoop, sampled_loop
+from scdpr_jax.controller import Controller
+from scdpr_jax.drive import motor_torque
+from scdpr_jax.dynamics import State, accelerations
+from scdpr_jax.friction import Coulomb
+from scdpr_jax.parameters import Robot
+from scdpr_jax.sensors import Encoder
+from scdpr_jax.stepping import Inputs
+
+
+_MAX_STEPS = 100_000
+
+
+def simulate_smooth(
+    robot: Robot,
+    start: State,
+    *,
+    times: Float[Array, " intervals+1"],
+    voltage: Float[Array, "intervals 2"],
+    knock: Float[Array, " intervals"] | None = None,
+    save_at: Float[Array, " saved"],
+    solver: diffrax.AbstractSolver | None = None,
+    rtol: float = 1e-7,
+    atol: float = 1e-9,
+    max_steps: int = _MAX_STEPS,
+    adjoint: diffrax.AbstractAdjoint | None = None,
+) -> State:
+    """Trajectory of the robot with smooth friction, by an adaptive solver.
+
+    The solver steps exactly to the instants where a held input changes, and nowhere else:
+    a grid of many equal inputs costs nothing.
+
+    Args:
+        robot: The robot, with smooth friction laws on both carriages.
+        start: State at the first time.
+        times: Ends of the intervals in which the inputs are held, ascending [s].
+        voltage: Commands to the two drives in the intervals [V].
+        knock: Horizontal force on the end-effector in the intervals [N]; `None` for none.
+        save_at: Times of the wanted states, ascending and within the grid [s].
+        solver: The method; `diffrax.Tsit5()` by default.
+        rtol: Relative tolerance of a step [1].
+        atol: Absolute tolerance of a step [m, rad, m/s, rad/s].
+        max_steps: Most steps of the solve.
+        adjoint: How it is differentiated; `diffrax.RecursiveCheckpointAdjoint()` by default.
+
+    Returns:
+        States at the wanted times.
+
+    Raises:
+        TypeError: If a carriage has exact `Coulomb` friction.
+        RuntimeError: If the solver gives up, also under `jit`.
+    """
+    _require_smooth(robot)
+    knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
+
+    def held(time: Float[Array, ""]) -> tuple[Float[Array, "2"], Float[Array, ""]]:
+        interval = jnp.searchsorted(times, time, side="right") - 1
+        interval = jnp.clip(interval, 0, voltage.shape[0] - 1)
+        return voltage[interval], knock[interval]
+
+    pid = diffrax.PIDController(rtol=rtol, atol=atol)
+    jumps = _jumps(times, jnp.concatenate([voltage, knock[:, None]], axis=1))
+    solution = diffrax.diffeqsolve(
+        _equations(robot, held),
+        diffrax.Tsit5() if solver is None else solver,
+        t0=times[0],
+        t1=times[-1],
+        dt0=None,
+        y0=start,
+        saveat=diffrax.SaveAt(ts=save_at),
+        stepsize_controller=diffrax.ClipStepSizeController(pid, jump_ts=jumps),
+        max_steps=max_steps,
+        adjoint=diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
+        throw=False,
+    )
+    return _unless_given_up(solution, max_steps)
+
+
+def simulate_closed_loop(
+    robot: Robot,
+    start: State,
+    controller: Controller,
+    *,
+    reference: Float[Array, "samples 2"],
+    knock: Float[Array, " samples-1"] | None = None,
+    encoder: Encoder | None = None,
+    delay_samples: int = 0,
+    solver: diffrax.AbstractSolver | None = None,
+    rtol: float = 1e-7,
+    atol: float = 1e-9,
+    max_steps: int = 1_000,
+    adjoint: diffrax.AbstractAdjoint | None = None,
+) -> ClosedLoop:
+    """The robot with smooth friction under a sampled controller, by an adaptive solver.
+
+    One solve for each sample period; `scdpr_jax.closed_loop` does the same with exact
+    friction on the fixed grid.
+
+    Args:
+        robot: The robot, with smooth friction laws on both carriages.
+        start: State at the first sample.
+        controller: The controller, run at its own period.
+        reference: Commanded end-effector positions $[x_e, y_e]$ at the samples [m]; the
+            encoders show zero at the start, and the controller takes it for the first one.
+        knock: Horizontal force on the end-effector, held between the samples [N].
+        encoder: Encoders that the angles are read by; `None` for exact angles.
+        delay_samples: Whole periods by which a command comes late; 0 V until the first.
+        solver: The method; `diffrax.Tsit5()` by default.
+        rtol: Relative tolerance of a step [1].
+        atol: Absolute tolerance of a step [m, rad, m/s, rad/s].
+        max_steps: Most steps of one period's solve.
+        adjoint: How it is differentiated; `diffrax.RecursiveCheckpointAdjoint()` by default.
+
+    Returns:
+        States at the samples and commands between them.
+
+    Raises:
+        TypeError: If a carriage has exact `Coulomb` friction.
+        ValueError: If the delay is negative.
+        RuntimeError: If the solver gives up, also under `jit`.
+    """
+    _require_smooth(robot)
+
+    def advance(state: State, inputs: Inputs) -> State:
+        solution = diffrax.diffeqsolve(
+            _equations(robot, lambda _: (inputs.voltage, inputs.knock)),
+            diffrax.Tsit5() if solver is None else solver,
+            t0=jnp.zeros_like(inputs.duration),
+            t1=inputs.duration,
+            # Most periods are one step; the controller shortens it where friction turns.
+            dt0=inputs.duration,
+            y0=state,
+            stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
+            max_steps=max_steps,
+            adjoint=diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
+            throw=False,
+        )
+        final = _unless_given_up(solution, max_steps)
+        return State(final.position[0], final.velocity[0])
+
+    return sampled_loop(
+        advance,
+        robot,
+        start,
+        controller,
+        reference=reference,
+        knock=knock,
+        encoder=encoder,
+        delay_samples=delay_samples,
+    )
+
+
+def _equations(
+    robot: Robot,
+    held: Callable[[Float[Array, ""]], tuple[Float[Array, "2"], Float[Array, ""]]],
+) -> diffrax.ODETerm:
+    """The equations of motion under inputs that are a function of time."""
+
+    def field(time: Float[Array, ""], state: State, _: None) -> State:
+        voltage, knock = held(time)
+        torque = motor_torque(robot.drive, voltage)
+        return State(state.velocity, accelerations(robot, state, torque=torque, knock=knock))
+
+    return diffrax.ODETerm(field)
+
+
+def _jumps(
+    times: Float[Array, " intervals+1"], inputs: Float[Array, "intervals inputs"]
+) -> Float[Array, " intervals-1"]:
+    """When the inputs change; where they don't, a time after the end stands instead."""
+    changes = jnp.any(inputs[1:] != inputs[:-1], axis=1)
+    never = 2 * times[-1] - times[0] + 1
+    return jnp.sort(jnp.where(changes, times[1:-1], never))
+
+
+def _unless_given_up(solution: diffrax.Solution, max_steps: int) -> State:
+    """The states of a solution, raising where the solver didn't reach its end."""
+    ran_out = solution.result == diffrax.RESULTS.max_steps_reached
+    states = eqx.error_if(
+        solution.ys,
+        ran_out,
+        f"`max_steps` must carry the adaptive solver to the end [steps], got {max_steps}, "
+        "which don't. Raise it, loosen `rtol` and `atol`, or pass "
+        "`solver=diffrax.Kvaerno5()`: friction of a narrow `width` is stiff.",
+    )
+    return eqx.error_if(
+        states,
+        ~ran_out & (solution.result != diffrax.RESULTS.successful),
+        "the adaptive solver must find its steps' states [m, rad, m/s, rad/s], got none "
+        "that satisfies its equations. Widen the friction's `width` or start from finite "
+        "states and parameters.",
+    )
+
+
+def _require_smooth(robot: Robot) -> None:
+    for name, carriage in (("lower", robot.lower_carriage), ("upper", robot.upper_carriage)):
+        if isinstance(carriage.friction, Coulomb):
+            raise TypeError(
+                f"`robot.{name}_carriage.friction` must be a smooth law for the adaptive "
+                "solvers, got exact `Coulomb`, which has a jump at 0 m/s. Use "
+                "`scdpr_jax.smoothed(robot, width=1e-3)`, or `scdpr_jax.stepping` and "
+                "`scdpr_jax.closed_loop` for exact friction."
+            )
