@@ -132,7 +132,7 @@ def run_sums(
         def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
             return jnp.clip(time / end * BLOCKS, 0, BLOCKS - 1).astype(int)
 
-        sums = _start_sums(found.start, jacobian.start)
+        sums = _known_sums(found.known, jacobian.known)
         rows = jnp.sum(record.angle_weight > 0) * jnp.ones(2)
         frames = jnp.sum(record.frame_weight > 0, axis=0)
         encoders = _channel_sums(found.angle, jacobian.angle, rows, stretch(when))
@@ -194,8 +194,8 @@ def _channel_sums(
     )
 
 
-def _start_sums(residual: Float[Array, "3"], jacobian: Float[Array, "3 n"]) -> RunSums:
-    """Sums of what is known of the start, at its full weight."""
+def _known_sums(residual: Float[Array, "4"], jacobian: Float[Array, "4 n"]) -> RunSums:
+    """Sums of what is known before, at its full weight."""
     gradient = residual @ jacobian
     scores = jnp.zeros((BLOCKS, jacobian.shape[-1])).at[0].set(gradient)
     return RunSums(jnp.sum(jnp.square(residual)), gradient, jacobian.T @ jacobian, scores)

@@ -20,7 +20,7 @@ from identification.first_guess import (
 from identification.levenberg_marquardt import Minimum, Normal, free_unknowns, minimise
 from identification.record import Record, coarse, motor_record, stacked
 from identification.residuals import Circumstances
-from identification.start import clock_offset
+from identification.start import Clock, clocks
 from identification.uncertainty import ParameterEstimate, covariance, half_width, judge
 from identification.unknowns import (
     DEFAULT_FREE,
@@ -143,7 +143,9 @@ def estimate(
     ends = []
     for number, start in enumerate(starts):
         share = 0.5 / len(starts)
-        told = _told(progress, f"start {number + 1} of {len(starts)}", 0.1 + share * number, share)
+        told = _told(
+            progress, f"start {number + 1} of {len(starts)}", 0.1 + share * number, share
+        )
         ends.append(rough.minimise(start, iterations=15, decrement=1.0, report=told))
     best = min(ends, key=lambda end: end.normal.cost)
     told = _told(progress, "all runs at the logs' own rate", 0.6, 0.35)
@@ -185,7 +187,7 @@ class _Problem:
     unknowns: Unknowns
     held_out: frozenset[int]
     cabled: tuple[int, ...]
-    offsets: tuple[float, ...]
+    clocks: tuple[Clock, ...]
     records: Record | None
     motors: tuple[int, ...]
     motor_records: MotorRecord | None
@@ -199,7 +201,7 @@ class _Problem:
         motors = tuple(i for i, run in enumerate(runs) if run.kind == "motor_step")
         cabled = tuple(i for i in range(len(runs)) if i not in motors)
         radius = float(value(prior, "effective_radius"))
-        offsets = [_known_offset(runs[i], radius) for i in cabled]
+        known = clocks([runs[i] for i in cabled], sensors, radius)
         height = float(value(prior, "frame_height"))
         return cls(
             runs=runs,
@@ -207,9 +209,9 @@ class _Problem:
             unknowns=layout(runs, free),
             held_out=held_out,
             cabled=cabled,
-            offsets=tuple(offsets),
+            clocks=known,
             records=(
-                stacked([runs[i] for i in cabled], offsets, sensors, height=height)
+                stacked([runs[i] for i in cabled], known, sensors, height=height)
                 if cabled
                 else None
             ),
@@ -280,12 +282,6 @@ class _Problem:
         )
 
 
-def _known_offset(run: Run, radius: float) -> float:
-    if run.clock_offset is None and run.camera is not None:
-        return clock_offset(run, radius)
-    return run.clock_offset or 0.0
-
-
 def _starts(problem: _Problem, progress: Progress) -> list[np.ndarray]:
     """Points to begin at: the best valleys of the scan."""
     unknowns = problem.unknowns
@@ -293,7 +289,7 @@ def _starts(problem: _Problem, progress: Progress) -> list[np.ndarray]:
         [start_values(problem.prior, unknowns), np.zeros(5 * len(problem.runs))]
     )
     for row, run in enumerate(problem.cabled):
-        base[unknowns.of_run(run)[len(unknowns.free) :][:3]] = problem.records.start[row]
+        base[unknowns.of_run(run)[len(unknowns.free) :][:3]] = problem.records.known[row, :3]
     base = _drives_alone(problem, base)
     scanned = {"friction_coefficient", PER_SETTING} & set(unknowns.free)
     if problem.records is None or PER_SETTING not in scanned:
@@ -452,11 +448,11 @@ def _circumstances(
 ) -> dict[str, Circumstances]:
     """What was estimated of each run; clocks with what was known of them before."""
     found = {}
-    for run, offset in zip(problem.cabled, problem.offsets, strict=True):
+    for run, known in zip(problem.cabled, problem.clocks, strict=True):
         own = point[problem.unknowns.of_run(run)[len(problem.unknowns.free) :]]
         lower, upper, height, knock, clock = (float(number) for number in own)
         found[problem.runs[run].name] = Circumstances(
-            lower, upper, height, knock, clock + offset
+            lower, upper, height, knock, clock + known.offset
         )
     return found
 

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Run, Sensors
-from identification.start import CLOCK_MARGIN, start_pose
+from identification.start import CLOCK_MARGIN, Clock, start_pose
 from scdpr_jax.fields import real, si
 from scdpr_jax.stepping import Inputs
 
@@ -33,10 +33,11 @@ class Record(eqx.Module):
     """Camera positions; 0 where a marker was lost [m, rad, m, m, m]."""
     frame_weight: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("1/m"))
     """Inverse standard deviations of the positions; 0 where there is none [1/m, 1/rad]."""
-    start: Float[Array, "... 3"] = eqx.field(converter=real, metadata=si("m"))
-    """What is known of the start: lower carriage, upper carriage, height [m]."""
-    start_weight: Float[Array, "... 3"] = eqx.field(converter=real, metadata=si("1/m"))
-    """Inverse standard deviations of the start [1/m]."""
+    known: Float[Array, "... 4"] = eqx.field(converter=real, metadata=si("m, s"))
+    """What is known before: start of the lower carriage, of the upper one and of the
+    height [m], and how far the clock is off what the stamps were put on by [s]."""
+    known_weight: Float[Array, "... 4"] = eqx.field(converter=real, metadata=si("1/m, 1/s"))
+    """Inverse standard deviations of that; 0 for a clock that the log states."""
 
 
 class MotorRecord(eqx.Module):
@@ -54,7 +55,7 @@ class MotorRecord(eqx.Module):
 
 def record(
     run: Run,
-    offset: float,
+    clock: Clock,
     sensors: Sensors,
     *,
     height: float,
@@ -65,7 +66,7 @@ def record(
 
     Args:
         run: A run with the cable on.
-        offset: Camera time minus drive time, as far as it is known [s].
+        clock: What is known of the camera's clock.
         sensors: The sensors' noise.
         height: Height of the frame [m].
         rows: Rows of the drive's stream to pad to.
@@ -79,9 +80,9 @@ def record(
         ValueError: If nothing tells where the run started.
     """
     time = run.drive.time - run.drive.time[0]
-    stamps, frame = _camera(run, offset)
+    stamps, frame = _camera(run, clock.offset)
     margin = CLOCK_MARGIN if run.clock_offset is None else 0.0
-    known = start_pose(run, offset, sensors, height)
+    known = start_pose(run, clock.offset, sensors, height)
     inside = (stamps > known.until) & (stamps <= time[-1] - margin)
     seen = np.isfinite(frame) & inside[:, None]
     sigma = np.full(5, sensors.camera_position_sigma)
@@ -97,19 +98,19 @@ def record(
         frame_time=_pad(stamps, frames),
         frame=_pad(np.where(seen, frame, 0.0), frames),
         frame_weight=_pad(seen / sigma, frames),
-        start=known.position,
-        start_weight=1 / known.sigma,
+        known=np.append(known.position, 0.0),
+        known_weight=np.append(1 / known.sigma, 1 / clock.sigma if clock.sigma > 0 else 0.0),
     )
 
 
 def stacked(
-    runs: Sequence[Run], offsets: Sequence[float], sensors: Sensors, *, height: float
+    runs: Sequence[Run], clocks: Sequence[Clock], sensors: Sensors, *, height: float
 ) -> Record:
     """Runs with the cable on, padded to the longest and stacked.
 
     Args:
         runs: The runs.
-        offsets: Camera time minus drive time of each, as far as it is known [s].
+        clocks: What is known of the camera's clock in each.
         sensors: The sensors' noise.
         height: Height of the frame [m].
 
@@ -119,8 +120,8 @@ def stacked(
     rows = max(run.drive.time.size for run in runs)
     frames = max((run.camera.time.size for run in runs if run.camera is not None), default=1)
     each = [
-        record(run, offset, sensors, height=height, rows=rows, frames=frames)
-        for run, offset in zip(runs, offsets, strict=True)
+        record(run, clock, sensors, height=height, rows=rows, frames=frames)
+        for run, clock in zip(runs, clocks, strict=True)
     ]
     return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
 

@@ -35,8 +35,8 @@ class Residuals(NamedTuple):
     """Of the encoders; their arbitrary zero is taken out."""
     frame: Float[Array, "frames 5"]
     """Of the camera."""
-    start: Float[Array, "3"]
-    """Of the start: lower carriage, upper carriage, height."""
+    known: Float[Array, "4"]
+    """Of what is known before: start of both carriages and of the height, clock."""
 
 
 def predict(
@@ -84,11 +84,12 @@ def residuals(robot: Robot, circumstances: Circumstances, record: Record) -> Res
         Residuals; zero where nothing was measured.
     """
     _, angle, frame = predict(robot, circumstances, record)
-    start = jnp.stack([circumstances.lower, circumstances.upper, circumstances.height])
+    own = circumstances
+    assumed = jnp.stack([own.lower, own.upper, own.height, own.clock_offset])
     return Residuals(
         angle=encoder_residuals(record.angle - angle, record.angle_weight),
         frame=record.frame_weight * (record.frame - frame),
-        start=record.start_weight * (record.start - start),
+        known=record.known_weight * (record.known - assumed),
     )
 
 

@@ -1,6 +1,6 @@
 """Clocks and start poses of runs, from the logs alone."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,9 @@ from identification.campaign.types import Run, Sensors
 
 CLOCK_MARGIN = 0.02
 """How far an estimated clock may still move [s]: as far as the fit may trust no frame."""
+
+UNKNOWN_CLOCK = 0.05
+"""Standard deviation of a clock that no run tells anything about [s]."""
 
 STILL = 1e-3
 """Turn of a driver pulley that counts as standing still [rad]: less than 0.1 mm of cable."""
@@ -96,19 +99,47 @@ def _seen_at_rest(run: Run, offset: float, sensors: Sensors) -> Start | None:
     )
 
 
-def clock_offset(run: Run, effective_radius: float) -> float:
-    """Camera time minus drive time, from what both streams see of the same motion.
+class Clock(NamedTuple):
+    """What is known of the camera's clock in a run."""
+
+    offset: float
+    """Camera time minus drive time [s]."""
+    sigma: float
+    """Its standard deviation [s]; 0 where the log states the offset."""
+
+
+def clocks(runs: Sequence[Run], sensors: Sensors, effective_radius: float) -> tuple[Clock, ...]:
+    """The camera's clock in each run, from what both streams see of the same motion.
 
     The lower carriage and the height follow the encoders without any dynamics, so the
-    offset at which the camera agrees with them best needs no model.
+    offset at which the camera agrees with them best needs no model. Runs that hardly
+    move learn it from the others, as far as those agree among themselves.
+
+    Reference: R. DerSimonian, N. Laird, "Meta-analysis in clinical trials", Controlled
+    Clinical Trials 7(3), 1986, doi:10.1016/0197-2456(86)90046-2.
 
     Args:
-        run: A run with a camera.
+        runs: The runs with the cable on.
+        sensors: The sensors' noise.
         effective_radius: Effective radius of the driver pulleys [m].
 
     Returns:
-        The offset [s]; 0 where the run moves too little to tell.
+        For each run its clock; runs without a camera have offset and deviation 0.
     """
+    unknown = [run for run in runs if run.camera is not None and run.clock_offset is None]
+    own = {run.name: _aligned(run, sensors, effective_radius) for run in unknown}
+    measured = [clock for clock in own.values() if np.isfinite(clock.sigma)]
+    common = _pooled(measured)
+    return tuple(
+        _combined(own[run.name], common)
+        if run.name in own
+        else Clock(run.clock_offset or 0.0, 0.0)
+        for run in runs
+    )
+
+
+def _aligned(run: Run, sensors: Sensors, effective_radius: float) -> Clock:
+    """The clock by a single run's own motion."""
     time, angle = run.drive.time, run.drive.angle
     carriage = effective_radius * (angle[:, 0] + angle[:, 1]) / 2
     height = effective_radius * (angle[:, 0] - angle[:, 1]) / 2
@@ -118,27 +149,56 @@ def clock_offset(run: Run, effective_radius: float) -> float:
         (run.camera.position[:, 4], height),
     ):
         valid = np.isfinite(seen)
-        # Ten times the camera's noise of 0.2 mm: below it, there is nothing to align.
-        if np.ptp(moved) > 2e-3 and np.count_nonzero(valid) > 5:
+        if np.ptp(moved) > 10 * sensors.camera_position_sigma and np.count_nonzero(valid) > 5:
             pairs.append((run.camera.time[valid], seen[valid], moved))
     if not pairs:
-        return 0.0
+        return Clock(0.0, np.inf)
 
-    def mismatch(offset: float) -> float:
-        total = 0.0
+    def differences(offset: float, around: float) -> Float[np.ndarray, " frames"]:
+        found = []
         for stamps, seen, moved in pairs:
-            inside = (stamps - offset > time[0]) & (stamps - offset < time[-1])
+            inside = (stamps - around > time[0]) & (stamps - around < time[-1])
             difference = seen[inside] - np.interp(stamps[inside] - offset, time, moved)
-            total += float(np.mean(np.square(difference - np.mean(difference))))
-        return total
+            found.append(difference - np.mean(difference))
+        return np.concatenate(found)
 
-    return float(_refine(mismatch, np.arange(-0.5, 0.5001, 0.01)))
+    offset = _refine(lambda tried: np.mean(np.square(differences(tried, tried))))
+    noise = max(float(np.std(differences(offset, offset))), sensors.camera_position_sigma)
+    later, earlier = (differences(offset + shift, offset) for shift in (1e-3, -1e-3))
+    speed = (later - earlier) / 2e-3
+    return Clock(offset, noise / np.sqrt(np.sum(np.square(speed))))
 
 
-def _refine(function: Callable[[float], float], grid: Float[np.ndarray, " n"]) -> float:
-    """Minimum of a function of one variable: the grid's best, then ever finer grids."""
-    for _ in range(4):
+def _refine(function: Callable[[float], float]) -> float:
+    """Minimum over half a second either way: a coarse grid, then ever finer ones."""
+    grid = np.arange(-0.5, 0.5001, 0.01)
+    for _ in range(5):
         best = grid[np.argmin([function(point) for point in grid])]
-        spacing = (grid[1] - grid[0]) / 5
-        grid = best + spacing * np.arange(-5, 6)
+        grid = best + (grid[1] - grid[0]) / 5 * np.arange(-6, 7)
     return float(best)
+
+
+def _pooled(clocks: Sequence[Clock]) -> Clock:
+    """The campaign's clock, with how far a single run may be from it."""
+    if not clocks:
+        return Clock(0.0, np.inf)
+    offsets = np.array([clock.offset for clock in clocks])
+    weights = 1 / np.square([clock.sigma for clock in clocks])
+    mean = float(np.sum(weights * offsets) / np.sum(weights))
+    if len(clocks) == 1:
+        return Clock(mean, np.inf)
+    excess = np.sum(weights * np.square(offsets - mean)) - (len(clocks) - 1)
+    spread = np.sum(weights) - np.sum(np.square(weights)) / np.sum(weights)
+    between = max(0.0, float(excess / spread))
+    weights = 1 / (1 / weights + between)
+    mean = float(np.sum(weights * offsets) / np.sum(weights))
+    return Clock(mean, float(np.sqrt(between + 1 / np.sum(weights))))
+
+
+def _combined(own: Clock, common: Clock) -> Clock:
+    """A run's own alignment and the campaign's clock together."""
+    weights = np.array([own.sigma, common.sigma]) ** -2.0
+    if not np.any(weights > 0):
+        return Clock(common.offset, UNKNOWN_CLOCK)
+    offset = (weights[0] * own.offset + weights[1] * common.offset) / np.sum(weights)
+    return Clock(float(offset), float(min(np.sum(weights) ** -0.5, UNKNOWN_CLOCK)))

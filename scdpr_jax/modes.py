@@ -9,7 +9,6 @@ $[x_e, \delta_e, q_3, q_4]$. Damping is left out; with it, see `scdpr_jax.linear
 import enum
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 

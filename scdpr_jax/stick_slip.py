@@ -21,7 +21,7 @@ class Quadratic(NamedTuple):
     linear: Float[Array, ""]
     quadratic: Float[Array, ""]
 
-    def __call__(self, time: Float[Array, ""]) -> Float[Array, ""]:
+    def __call__(self, time: Float[Array, ""] | float) -> Float[Array, ""]:
         """Value at a time of the step."""
         return self.constant + time * (self.linear + time * self.quadratic)
 

@@ -234,7 +234,8 @@ def _minimum(
     def narrow(_, bounds):
         lower, upper = bounds
         left, right = upper - golden * (upper - lower), lower + golden * (upper - lower)
-        go_left = function(left) < function(right)
+        at_left, at_right = jax.vmap(function)(jnp.stack([left, right]))
+        go_left = at_left < at_right
         return jnp.where(go_left, lower, left), jnp.where(go_left, right, upper)
 
     lower, upper = jax.lax.fori_loop(0, _HALVINGS, narrow, (low, high))

@@ -1,0 +1,118 @@
+import hypothesis
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+from jax.test_util import check_grads
+
+from scdpr_jax.friction import Coulomb, SmoothCoulomb, Stribeck
+
+EPS = float(np.finfo(float).eps)
+LAWS = (Coulomb(0.02, 1.5), SmoothCoulomb(0.02, 1e-3, 1.5), Stribeck(0.02, 0.03, 0.01, 1e-3))
+every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+speed = st.floats(-2, 2)
+normal = st.floats(1.0, 2e3)
+
+
+@jax.jit
+def dry(law, velocity, normal_force):
+    return law.dry(velocity, normal_force)
+
+
+def force(law, velocity, normal_force):
+    return float(dry(law, jnp.asarray(velocity), jnp.asarray(normal_force)))
+
+
+@every_law
+@hypothesis.given(speed, normal)
+def test_dry_friction_never_gives_power(law, velocity, normal_force):
+    assert force(law, velocity, normal_force) * velocity >= 0
+
+
+@every_law
+@hypothesis.given(speed, normal)
+def test_dry_friction_is_odd_in_the_velocity(law, velocity, normal_force):
+    assert force(law, -velocity, normal_force) == -force(law, velocity, normal_force)
+
+
+@every_law
+@hypothesis.given(speed, normal)
+def test_dry_friction_is_proportional_to_the_normal_force(law, velocity, normal_force):
+    # Doubling is exact in binary floating point.
+    assert force(law, velocity, 2 * normal_force) == 2 * force(law, velocity, normal_force)
+
+
+@every_law
+def test_dry_friction_vanishes_at_standstill(law):
+    assert force(law, 0.0, 300.0) == 0
+
+
+@hypothesis.given(st.floats(1e-6, 2), normal)
+def test_sliding_coulomb_friction_is_the_coefficient_times_the_normal_force(
+    speed, normal_force
+):
+    assert abs(force(LAWS[0], speed, normal_force) - 0.02 * normal_force) <= (
+        2 * EPS * normal_force
+    )
+
+
+@hypothesis.given(st.floats(0.02, 2), normal)
+def test_smoothed_friction_is_exact_beyond_twenty_widths(speed, normal_force):
+    # tanh(20) differs from 1 by 9e-18, below a rounding.
+    assert force(LAWS[1], speed, normal_force) == force(LAWS[0], speed, normal_force)
+
+
+def test_smoothed_friction_has_its_documented_slope_at_standstill():
+    slope = jax.grad(lambda v: LAWS[1].dry(v, jnp.asarray(300.0)))(jnp.asarray(0.0))
+    assert jnp.allclose(slope, 0.02 * 300.0 / 1e-3, rtol=4 * EPS, atol=0)
+
+
+@hypothesis.given(speed, normal)
+def test_stribeck_friction_without_a_surplus_is_smoothed_coulomb(velocity, normal_force):
+    level = Stribeck(0.02, 0.02, 0.01, 1e-3)
+    assert force(level, velocity, normal_force) == force(LAWS[1], velocity, normal_force)
+
+
+@hypothesis.given(st.floats(1e-2, 0.05))
+def test_stribeck_friction_falls_from_static_to_kinetic(speed):
+    # From ten widths on the law is its surplus' Gaussian.
+    expected = 0.02 + 0.01 * np.exp(-((speed / 0.01) ** 2))
+    # tanh(10) differs from 1 by 4e-9.
+    assert abs(force(LAWS[2], speed, 1.0) - expected) <= 5e-9 * expected
+
+
+@pytest.mark.parametrize("law", LAWS[1:], ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("velocity", [0.0, 2e-4, -0.01])
+def test_smooth_laws_are_differentiable_at_standstill_too(law, velocity):
+    # In widths, so that the checker's own difference step resolves the law.
+    def at(law, widths):
+        return law.dry(1e-3 * widths, jnp.asarray(300.0))
+
+    arguments = (law, jnp.asarray(velocity / 1e-3))
+
+    def scaled(scale, widths):
+        return at(jax.tree.map(lambda leaf: leaf * scale, arguments[0]), widths)
+
+    check_grads(
+        jax.jit(scaled), (jnp.asarray(1.0), arguments[1]), order=2, modes=("fwd", "rev")
+    )
+
+
+@pytest.mark.parametrize("mode", [jax.jacfwd, jax.jacrev])
+def test_coulomb_friction_has_its_derivative_in_the_coefficient(mode):
+    def of_coefficient(coefficient):
+        return Coulomb(coefficient).dry(jnp.asarray(-0.3), jnp.asarray(300.0))
+
+    assert jax.jit(mode(of_coefficient))(jnp.asarray(0.02)) == -300.0
+
+
+@every_law
+def test_viscous_damping_is_not_part_of_the_dry_friction(law):
+    without = jax.tree.map(lambda leaf: leaf, law)
+    more = type(law)(*[getattr(law, name) for name in fields_but_viscous(law)], viscous=9.0)
+    assert force(more, 0.3, 200.0) == force(without, 0.3, 200.0)
+
+
+def fields_but_viscous(law):
+    return [name for name in law.__dataclass_fields__ if name != "viscous"]
