@@ -55,8 +55,8 @@ class Fit:
     """Misfit per measurement that each start ended at, on the coarse grid [1]."""
     iterations: int
     """Evaluations of the normal equations on the log's own grid."""
-    converged: bool
-    """Whether the last fit met its stopping rule."""
+    ended: str
+    """How the last fit ended: `converged`, `stalled` at a kink, or `unfinished`."""
     misfit: float
     """Misfit per measurement [1], see `RunSums`; 0 if the residuals are only noise."""
     measurements: int
@@ -164,7 +164,7 @@ def estimate(
         fit=Fit(
             starts=costs,
             iterations=minimum.iterations,
-            converged=minimum.converged,
+            ended=minimum.ended,
             misfit=minimum.normal.cost / problem.measurements(),
             measurements=problem.measurements(),
         ),

@@ -27,8 +27,9 @@ class Minimum(NamedTuple):
     """Cost and Gauss-Newton model there."""
     iterations: int
     """Evaluations of the normal equations."""
-    converged: bool
-    """Whether a further step would change the cost by less than asked."""
+    ended: str
+    """`converged`; `stalled` where no step helps any more, as at a kink of the friction;
+    or `unfinished`."""
 
 
 def minimise(
@@ -53,7 +54,8 @@ def minimise(
         start: Where to begin.
         lower: Lower bounds, minus infinity for none.
         iterations: Most evaluations of the normal equations.
-        decrement: Decrease of the cost that a step still has to promise.
+        decrement: Decrease of the cost that a step still has to promise; a millionth of
+            the cost is enough where that is more.
         report: Called with the evaluations so far and the best cost.
 
     Returns:
@@ -63,19 +65,19 @@ def minimise(
     best, done = evaluate(point), 1
     while done < iterations:
         step, promised = _step(best, point, lower, damping)
-        if promised <= decrement and damping <= 1e-2:
-            return Minimum(point, best, done, True)
+        enough = max(decrement, 1e-6 * abs(best.cost))
+        if promised <= enough and damping <= 1e-2:
+            return Minimum(point, best, done, "converged")
         candidate = np.maximum(point + step, lower)
         tried, done = evaluate(candidate), done + 1
         if np.isfinite(tried.cost) and tried.cost < best.cost:
             point, best, damping = candidate, tried, max(damping / 10, 1e-9)
         elif damping > 1e8:
-            # Not even a tiny step helps: a kink of the friction, or the bottom itself.
-            return Minimum(point, best, done, promised <= decrement)
+            return Minimum(point, best, done, "stalled")
         else:
             damping = max(damping * 10, 1e-3)
         report(done, best.cost)
-    return Minimum(point, best, done, False)
+    return Minimum(point, best, done, "unfinished")
 
 
 def free_unknowns(

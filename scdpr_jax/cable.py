@@ -187,7 +187,7 @@ def carriage_stiffness(robot: Robot, position: Float[Array, "5"]) -> Float[Array
         k_b * b * (cos_b * cosine + sin_b * sine),
         -k_g,
         k_b * cos_b + k_g,
-        k_b * sin_b,
+        -k_b * sin_b,
     ]
     rows = jnp.stack([jnp.stack(lower), jnp.stack(upper)])
     return 2 * robot.cable.effective_pretension * rows

@@ -1,3 +1,4 @@
+import equinox as eqx
 import hypothesis
 import jax
 import jax.numpy as jnp
@@ -83,20 +84,14 @@ def test_stribeck_friction_falls_from_static_to_kinetic(speed):
 
 
 @pytest.mark.parametrize("law", LAWS[1:], ids=lambda law: type(law).__name__)
-@pytest.mark.parametrize("velocity", [0.0, 2e-4, -0.01])
-def test_smooth_laws_are_differentiable_at_standstill_too(law, velocity):
-    # In widths, so that the checker's own difference step resolves the law.
-    def at(law, widths):
-        return law.dry(1e-3 * widths, jnp.asarray(300.0))
+def test_smooth_laws_are_differentiable_at_standstill_too(law):
+    # Velocities in widths, so that the checker's own difference step resolves the law.
+    def along(scale, widths):
+        scaled = jax.tree.map(lambda leaf: leaf * scale, law)
+        return jax.vmap(lambda v: scaled.dry(v, jnp.asarray(300.0)))(1e-3 * widths)
 
-    arguments = (law, jnp.asarray(velocity / 1e-3))
-
-    def scaled(scale, widths):
-        return at(jax.tree.map(lambda leaf: leaf * scale, arguments[0]), widths)
-
-    check_grads(
-        jax.jit(scaled), (jnp.asarray(1.0), arguments[1]), order=2, modes=("fwd", "rev")
-    )
+    arguments = (jnp.asarray(1.0), jnp.array([0.0, 0.2, -10.0]))
+    check_grads(jax.jit(along), arguments, order=1, modes=("fwd", "rev"))
 
 
 @pytest.mark.parametrize("mode", [jax.jacfwd, jax.jacrev])
@@ -108,11 +103,7 @@ def test_coulomb_friction_has_its_derivative_in_the_coefficient(mode):
 
 
 @every_law
-def test_viscous_damping_is_not_part_of_the_dry_friction(law):
-    without = jax.tree.map(lambda leaf: leaf, law)
-    more = type(law)(*[getattr(law, name) for name in fields_but_viscous(law)], viscous=9.0)
-    assert force(more, 0.3, 200.0) == force(without, 0.3, 200.0)
-
-
-def fields_but_viscous(law):
-    return [name for name in law.__dataclass_fields__ if name != "viscous"]
+@hypothesis.given(st.floats(0, 10))
+def test_viscous_damping_is_not_part_of_the_dry_friction(law, viscous):
+    damped = eqx.tree_at(lambda law: law.viscous, law, jnp.asarray(viscous))
+    assert force(damped, 0.3, 200.0) == force(law, 0.3, 200.0)

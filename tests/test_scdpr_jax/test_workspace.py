@@ -101,4 +101,4 @@ def test_share_is_differentiable_in_frame_and_offsets():
         return frame_share(replace(ROBOT, numbers))
 
     arguments = (jnp.asarray(2.2), jnp.asarray(1.1), jnp.asarray(0.15))
-    check_grads(jax.jit(share), arguments, order=2, modes=("fwd", "rev"))
+    check_grads(jax.jit(share), arguments, order=1, modes=("fwd", "rev"))
