@@ -1,0 +1,22 @@
+"""Logged runs to parameters with their uncertainty."""
+
+from identification.axis_log import AxisLog as AxisLog
+from identification.axis_log import read_axis_log as read_axis_log
+from identification.campaign import Campaign as Campaign
+from identification.campaign import CampaignError as CampaignError
+from identification.campaign import check_campaign as check_campaign
+from identification.campaign import read_campaign as read_campaign
+from identification.campaign import write_campaign as write_campaign
+from identification.comparison import Channel as Channel
+from identification.comparison import Comparison as Comparison
+from identification.drive_axis import DriveAxisEstimate as DriveAxisEstimate
+from identification.drive_axis import estimate_drive_axis as estimate_drive_axis
+from identification.estimate import Estimate as Estimate
+from identification.estimate import estimate as estimate
+from identification.frequency_map import FrequencyMap as FrequencyMap
+from identification.frequency_map import frequency_map as frequency_map
+from identification.frequency_map import read_frequencies as read_frequencies
+from identification.frequency_map import write_frequencies as write_frequencies
+from identification.ring_down import RingDown as RingDown
+from identification.ring_down import ring_down as ring_down
+from identification.uncertainty import ParameterEstimate as ParameterEstimate

@@ -2,10 +2,9 @@
 
 import csv
 import dataclasses
+import io
 import math
-import os
 import pathlib
-import tempfile
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from jaxtyping import Bool, Float
 from identification.campaign.types import Campaign, Run
 from identification.ring_down import RingDown, ring_down
 from scdpr_jax.fields import si
+from scdpr_jax.files import write_whole
 
 _MARGIN = 0.05  # s: a frame and a half between the knock and the first sample in use
 _CLOCK = 0.1  # s: the same where the camera's clock is unknown by some tens of ms
@@ -159,19 +159,12 @@ def write_frequencies(frequencies: FrequencyMap, path: pathlib.Path) -> None:
             and `unresolved`) isn't written.
         path: The file, replaced if it exists.
     """
-    path = pathlib.Path(path)
     columns = [getattr(frequencies, column.field).tolist() for column in _COLUMNS]
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
-    try:
-        with open(handle, "w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow([*(column.label for column in _COLUMNS), _RUN])
-            writer.writerows(zip(*columns, frequencies.runs, strict=True))
-        # A temporary file is its owner's alone; the result is to be read like any other.
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    finally:
-        pathlib.Path(name).unlink(missing_ok=True)
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow([*(column.label for column in _COLUMNS), _RUN])
+    writer.writerows(zip(*columns, frequencies.runs, strict=True))
+    write_whole(path, table.getvalue())
 
 
 def read_frequencies(path: pathlib.Path) -> FrequencyMap:

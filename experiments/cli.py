@@ -1,0 +1,91 @@
+"""The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
+
+import sys
+
+VERBS: tuple[tuple[str, str], ...] = (
+    ("demo", "the main job on a campaign that it generates itself: truth beside estimate"),
+    ("calibrate", "the main job: check, identify, frequencies, tune, report"),
+    ("check", "the log doctor: every fault with file, row, cause and remedy"),
+    ("identify", "the robot's parameters with their uncertainty: parameters.json"),
+    ("identify-drive", "one motor-driven axis: inertia, friction, offset from a log"),
+    ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
+    ("tune", "gains and input shapers from parameters and frequencies: tuning.json"),
+    ("simulate", "one manoeuvre of a fitted robot"),
+)
+"""Every verb and what it does."""
+
+DONE, FELL_SHORT, BAD_INPUT = 0, 1, 2
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a verb.
+
+    Args:
+        arguments: What follows the command's name; default: the process's arguments.
+
+    Returns:
+        0 done, 1 fell short, 2 bad input.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(_help())
+        return DONE if arguments else BAD_INPUT
+    verb, *rest = arguments
+    known = [name for name, _ in VERBS]
+    if verb == "--version":
+        from importlib.metadata import version
+
+        print(f"scdpr-jax {version('scdpr-jax')}")
+        return DONE
+    if verb not in known:
+        import difflib
+
+        near = difflib.get_close_matches(verb, known, n=1)
+        hint = f" Did you mean `scdpr {near[0]}`?" if near else ""
+        print(
+            f"scdpr: unknown verb, got {verb!r}, expected one of: {', '.join(known)}.{hint} "
+            "See `scdpr --help`.",
+            file=sys.stderr,
+        )
+        return BAD_INPUT
+    import tyro
+
+    from experiments import verbs
+
+    chosen = getattr(verbs, verb.replace("-", "_"))
+    try:
+        return tyro.cli(chosen, args=rest, prog=f"scdpr {verb}")
+    except ValueError as error:
+        print(f"scdpr {verb}: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except OSError as error:
+        print(
+            f"scdpr {verb}: {error.filename or 'a file'}: can't be used, got "
+            f"{error.strerror}. Give a place that can be read and written.",
+            file=sys.stderr,
+        )
+        return BAD_INPUT
+    except FloatingPointError as error:
+        print(f"scdpr {verb}: {error}", file=sys.stderr)
+        return FELL_SHORT
+
+
+def _help() -> str:
+    width = max(len(name) for name, _ in VERBS)
+    rows = [f"  {name:<{width}}  {does}" for name, does in VERBS]
+    return "\n".join(
+        [
+            "usage: scdpr VERB …",
+            "",
+            "From a planar cable robot's logged runs to its parameters, gains and shapers.",
+            "",
+            *rows,
+            "",
+            "`scdpr VERB --help` tells a verb's arguments.",
+            "Exit status: 0 done, 1 fell short, 2 bad input.",
+        ]
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

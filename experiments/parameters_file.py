@@ -1,0 +1,222 @@
+"""`parameters.json`: what a fit says about a robot, or about a single axis."""
+
+import json
+import math
+import pathlib
+from typing import Any, Literal
+
+import pydantic
+
+from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
+from identification.estimate import Estimate
+from identification.unknowns import PER_SETTING
+from scdpr_jax.files import write_whole
+from scdpr_jax.parameters import QUANTITIES, Robot, exact, replace
+from scdpr_jax.prototype import consistent
+
+AXIS_UNITS = {"mass": "kg", "viscous": "N s/m", "coulomb": "N", "offset": "N"}
+"""SI units of a linear axis's parameters."""
+
+
+def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
+    """Write an estimate as `parameters.json`, whole or not at all.
+
+    Args:
+        path: The file, replaced if it exists.
+        estimate: The estimate.
+    """
+    fit = estimate.fit
+    document = {
+        "format": 1,
+        "parameters": [
+            {
+                "name": parameter.name,
+                "setting": parameter.setting,
+                "value": parameter.value,
+                "unit": parameter.unit,
+                "sigma": _finite(parameter.sigma),
+                "interval95": [_finite(end) for end in parameter.interval95],
+                "status": parameter.status,
+            }
+            for parameter in estimate.parameters
+        ],
+        "correlation": {
+            "names": [
+                parameter.name
+                if parameter.setting is None
+                else f"{parameter.name} {parameter.setting}"
+                for parameter in estimate.parameters
+                if parameter.status != "fixed"
+            ],
+            "matrix": estimate.correlation.tolist(),
+        },
+        "runs": [
+            {
+                "name": run.name,
+                "kind": run.kind,
+                "fitted": not run.held_out,
+                "clock_offset_s": (
+                    float(estimate.circumstances[run.name].clock_offset)
+                    if run.name in estimate.circumstances
+                    else None
+                ),
+            }
+            for run in estimate.comparisons
+        ],
+        "residuals": [
+            {
+                "run": run.name,
+                "channel": channel.name,
+                "unit": channel.unit,
+                "rms": channel.rms,
+                "noise_sigma": channel.sigma,
+                "chi_square": channel.chi_square,
+                "is_noise": channel.is_noise,
+                "worst_at_s": channel.worst_time,
+            }
+            for run in estimate.comparisons
+            for channel in run.channels
+        ],
+        "fit": {
+            "ended": fit.ended,
+            "iterations": fit.iterations,
+            "misfit": fit.misfit,
+            "measurements": fit.measurements,
+            "starts": list(fit.starts),
+        },
+    }
+    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def write_axis_parameters(path: pathlib.Path, estimate: DriveAxisEstimate) -> None:
+    """Write a drive axis's estimate as `parameters.json`, whole or not at all.
+
+    Args:
+        path: The file, replaced if it exists.
+        estimate: The estimate.
+    """
+    document = {
+        "format": 1,
+        "parameters": [
+            {
+                "name": name,
+                "setting": None,
+                "value": float(getattr(estimate.parameters, name)),
+                "unit": AXIS_UNITS[name],
+                "sigma": _finite(float(getattr(estimate.sigma, name))),
+                "interval95": [_finite(float(end)) for end in estimate.interval95[row]],
+                "status": estimate.status[row],
+            }
+            for row, name in enumerate(PARAMETER_NAMES)
+        ],
+        "correlation": {
+            "names": list(PARAMETER_NAMES),
+            "matrix": estimate.correlation.tolist(),
+        },
+        "open_loop_rmse_m": float(estimate.open_loop_rmse),
+        "fit": {
+            "converged": estimate.converged,
+            "iterations": estimate.iterations,
+            "starts": estimate.starts,
+            "agreeing_starts": estimate.agreeing_starts,
+            "residuals_hang_together_for_s": float(estimate.memory),
+        },
+    }
+    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+class _Parameter(pydantic.BaseModel):
+    """A row of `parameters.json`, as far as a robot is built from it."""
+
+    name: str
+    setting: str | None
+    value: pydantic.FiniteFloat
+    unit: str
+    status: Literal["identified", "weak", "unidentifiable", "at_bound", "fixed"]
+
+
+class FittedRobot(pydantic.BaseModel):
+    """A robot from `parameters.json`."""
+
+    format: Literal[1]
+    parameters: list[_Parameter]
+
+    @property
+    def robot(self) -> Robot:
+        """The robot at its first pretension setting."""
+        known = {quantity.name for quantity in QUANTITIES}
+        values: dict[str, float] = {}
+        for row in self.parameters:
+            if row.name in known:
+                values.setdefault(row.name, row.value)
+        return exact(replace(consistent(), values))
+
+    @property
+    def settings(self) -> tuple[str, ...]:
+        """The nominal pretensions that have an effective one."""
+        return tuple(
+            row.setting for row in self.parameters if row.name == PER_SETTING and row.setting
+        )
+
+    def of_setting(self, label: str) -> Robot:
+        """The robot at a nominal pretension.
+
+        Args:
+            label: The setting, "350 N".
+
+        Returns:
+            The robot with its effective pretension.
+
+        Raises:
+            ValueError: If the file has no such setting.
+        """
+        for row in self.parameters:
+            if row.name == PER_SETTING and row.setting in (label, None):
+                return replace(self.robot, {PER_SETTING: row.value})
+        known = ", ".join(self.settings) or "none"
+        raise ValueError(
+            f"`setting`: no effective pretension for {label!r}, got {known} in the parameters "
+            "[N]. Name one of these, or identify from runs at that setting."
+        )
+
+
+def read_parameters(path: pathlib.Path) -> FittedRobot:
+    """Read a robot from `parameters.json`.
+
+    Args:
+        path: The file.
+
+    Returns:
+        The robot, with exact friction.
+
+    Raises:
+        ValueError: If the file isn't what `scdpr identify` writes; says where.
+    """
+    path = pathlib.Path(path)
+    try:
+        found = FittedRobot.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise ValueError(
+            f"{path}: can't be read, got {error.strerror}, expected a parameters.json. Run "
+            "`scdpr identify` or `scdpr calibrate` first."
+        ) from None
+    except pydantic.ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "the file"
+        raise ValueError(
+            f"{path}: {where} is wrong, got {str(first['input'])[:60]!r}: {first['msg']}. "
+            "Expected what `scdpr identify` writes; write it anew."
+        ) from None
+    units = {quantity.name: quantity.unit for quantity in QUANTITIES}
+    for row in found.parameters:
+        if row.name in units and row.unit != units[row.name]:
+            raise ValueError(
+                f"{path}: the unit of {row.name!r} is wrong, got {row.unit!r}, expected "
+                f"{units[row.name]!r}. Give the value in SI units."
+            )
+    return found
+
+
+def _finite(number: float) -> Any:
+    """A number that JSON can hold; null for one that isn't finite."""
+    return number if math.isfinite(number) else None

@@ -1,0 +1,180 @@
+"""From a campaign to its parameters, frequencies, controller and report."""
+
+import dataclasses
+import pathlib
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from tuning.document import tuning_document
+from tuning.tune import tune
+from tuning.types import Tuning
+
+from experiments.parameters_file import write_parameters
+from experiments.report import write_report
+from experiments.runtime import stage
+from identification.campaign import Campaign, read_campaign
+from identification.estimate import Estimate, estimate
+from identification.frequency_map import FrequencyMap, frequency_map, write_frequencies
+from identification.unknowns import DEFAULT_FREE
+from scdpr_jax.files import write_whole
+
+Progress = Callable[[str, float], None]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Calibration:
+    """Everything that a campaign gives."""
+
+    campaign: Campaign
+    """The logged runs."""
+    estimate: Estimate
+    """The robot's parameters."""
+    frequencies: FrequencyMap | None
+    """Natural frequencies; None if no knock gives one."""
+    tuning: Tuning
+    """Gains and shapers."""
+    notes: tuple[str, ...]
+    """What a reader should know besides."""
+
+
+def held_out_by_default(campaign: Campaign) -> tuple[str, ...]:
+    """The run to predict instead of fitting it: the manoeuvre that goes the furthest.
+
+    Args:
+        campaign: The campaign.
+
+    Returns:
+        Its name; nothing where fitting would be left without another moving run of the
+        same pretension.
+    """
+    manoeuvres = [run for run in campaign.runs if run.kind == "manoeuvre"]
+    if not manoeuvres:
+        return ()
+    furthest = max(manoeuvres, key=lambda run: np.ptp(np.sum(run.drive.angle, axis=1)))
+    others = [
+        run
+        for run in campaign.runs
+        if run is not furthest
+        and run.kind in ("torque_step", "manoeuvre", "free")
+        and run.pretension_label == furthest.pretension_label
+    ]
+    return (furthest.name,) if others else ()
+
+
+def calibrate(
+    campaign: Campaign,
+    *,
+    free: Sequence[str] = DEFAULT_FREE,
+    hold_out: Sequence[str] | None = None,
+    progress: Progress = lambda doing, share: None,
+) -> Calibration:
+    """Parameters, frequencies, gains and shapers of a campaign.
+
+    Args:
+        campaign: The campaign.
+        free: Names of the quantities to estimate.
+        hold_out: Names of the runs to predict instead of fitting them; None for
+            `held_out_by_default`.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        The calibration.
+
+    Raises:
+        ValueError: If the campaign doesn't allow a fit.
+        FloatingPointError: If a run's simulation isn't finite.
+    """
+    names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
+    found = estimate(campaign, free=free, hold_out=names, progress=stage(progress, 0.02, 0.7))
+    progress("ring-downs", 0.7)
+    notes = list(_notes(campaign, found))
+    frequencies = None
+    if any(run.kind == "pseudo_impulse" for run in campaign.runs):
+        try:
+            frequencies = frequency_map(campaign)
+            notes += [f"{name}: {why}" for name, why in frequencies.unresolved]
+        except ValueError as error:
+            notes.append(f"No frequency map: {error}")
+    tuned = tune(found, frequencies, progress=stage(progress, 0.75, 0.95))
+    return Calibration(campaign, found, frequencies, tuned, tuple(notes))
+
+
+def write_calibration(
+    calibration: Calibration, out: pathlib.Path, *, truth: dict[str, float] | None = None
+) -> tuple[pathlib.Path, ...]:
+    """Write everything that a calibration gives, each file whole or not at all.
+
+    Args:
+        calibration: The calibration.
+        out: The folder.
+        truth: True values by name, where they are known.
+
+    Returns:
+        The files, the report first.
+    """
+    report = out / "report.html"
+    parameters, tuning = out / "parameters.json", out / "tuning.json"
+    written = [report, parameters]
+    write_parameters(parameters, calibration.estimate)
+    if calibration.frequencies is not None:
+        frequencies = out / "frequencies.csv"
+        write_frequencies(calibration.frequencies, frequencies)
+        written.append(frequencies)
+    write_whole(tuning, tuning_document(calibration.tuning))
+    write_report(
+        report,
+        title=f"Calibration of {calibration.campaign.name}",
+        campaign=calibration.campaign,
+        estimate=calibration.estimate,
+        frequencies=calibration.frequencies,
+        tuning=calibration.tuning,
+        truth=truth,
+        notes=list(calibration.notes),
+    )
+    return (*written, tuning)
+
+
+def read_for_use(path: pathlib.Path, *, skip_bad_runs: bool) -> Campaign:
+    """Read a campaign.
+
+    Args:
+        path: Its folder.
+        skip_bad_runs: Whether to go on without runs that have faults.
+
+    Returns:
+        The campaign.
+
+    Raises:
+        CampaignError: If it has faults.
+    """
+    return read_campaign(path, skip_bad_runs=skip_bad_runs)
+
+
+def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
+    """Refuse to write results among the logs, where they would pass for a run.
+
+    Args:
+        out: Where results shall go.
+        campaign: The campaign's folder.
+
+    Raises:
+        ValueError: If `out` is the campaign's folder or inside it.
+    """
+    if out.resolve().is_relative_to(campaign.resolve()):
+        raise ValueError(
+            f"`--out` must be outside the campaign, got {out} inside {campaign}: a folder in "
+            "a campaign is a run. Name another folder."
+        )
+
+
+def _notes(campaign: Campaign, found: Estimate) -> list[str]:
+    notes = [
+        f"Left out: {name}. " + " ".join(str(fault) for fault in faults)
+        for name, faults in campaign.skipped
+    ]
+    if found.fit.ended == "unfinished":
+        notes.append(
+            "The fit used up its iterations before it met its stopping rule: its standard "
+            "errors may be too small."
+        )
+    return notes

@@ -1,0 +1,172 @@
+"""How every figure looks: colours, sizes, labels and legends, and no global state.
+
+Figures are made as objects, never through a plotting session, and the settings hold only
+while a function decorated with `styled` runs.
+"""
+
+import functools
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar
+
+import matplotlib
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+BLACK, GREY = "#1a1a1a", "#6e6e6e"
+ORANGE, SKY, GREEN, YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
+BLUE, VERMILION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
+"""The palette of Okabe and Ito, which the colour-blind can tell apart."""
+
+CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+"""Colours of unnamed series, in order."""
+
+WIDTH = 10.0
+"""Width of a figure [inch]; the page scales it to its column."""
+
+DRAWN_POINTS = 700
+"""Points of a drawn line: more than a column of the page has pixels to show."""
+
+_SETTINGS = {
+    "font.family": "sans-serif",
+    "font.size": 10,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": BLACK,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "axes.unicode_minus": True,
+    "grid.color": "#e3e3e3",
+    "grid.linewidth": 0.7,
+    "lines.linewidth": 1.5,
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "xtick.labelcolor": BLACK,
+    "ytick.labelcolor": BLACK,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    # Text stays text: it can be read aloud, searched for and copied.
+    "svg.fonttype": "none",
+    "path.simplify": True,
+    # A third of a pixel at most, below what a line's own width hides.
+    "path.simplify_threshold": 0.3,
+}
+
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
+
+
+def styled(draw: Callable[_P, _T]) -> Callable[_P, _T]:
+    """A drawing function whose figures have this style, whatever the caller has set.
+
+    Args:
+        draw: The function.
+
+    Returns:
+        The same function; the caller's settings are as before once it returns.
+    """
+
+    @functools.wraps(draw)
+    def drawn(*args: _P.args, **kwargs: _P.kwargs) -> _T:
+        with matplotlib.rc_context(_SETTINGS):
+            return draw(*args, **kwargs)
+
+    return drawn
+
+
+def new_figure(*, height: float, width: float = WIDTH) -> Figure:
+    """An empty figure that lays itself out.
+
+    Args:
+        height: Height [inch].
+        width: Width [inch].
+
+    Returns:
+        The figure, with a canvas of its own.
+    """
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def label(name: str, unit: str) -> str:
+    """An axis label.
+
+    Args:
+        name: What is drawn.
+        unit: Its unit, "1" for none.
+
+    Returns:
+        "name [unit]".
+    """
+    return f"{name} [{unit}]"
+
+
+def legend_above(axes: Axes, *, columns: int = 4) -> None:
+    """A legend above the axes, where it can't cover data.
+
+    Args:
+        axes: Axes with labelled artists; without any nothing is drawn.
+        columns: Entries a row.
+    """
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        axes.legend(
+            handles,
+            labels,
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            ncols=columns,
+            borderaxespad=0.2,
+            handlelength=1.6,
+            columnspacing=1.2,
+        )
+
+
+def figure_legend(figure: Figure, axes: Axes, *, columns: int = 5) -> None:
+    """One legend above all panels of a figure, from those of one panel.
+
+    Args:
+        figure: The figure.
+        axes: The panel whose labelled artists stand for all.
+        columns: Entries a row.
+    """
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=columns)
+
+
+def thinned(
+    x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], *, points: int = DRAWN_POINTS
+) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, " m"]]:
+    """A dense series with fewer points that looks the same: each stretch's extremes.
+
+    Args:
+        x: Abscissae, increasing.
+        y: Ordinates; NaN is kept out.
+        points: Points that are left, about.
+
+    Returns:
+        Abscissae and ordinates, in order; unchanged if there are few already.
+    """
+    if len(x) <= points:
+        return x, y
+    kept = {0, len(x) - 1}
+    for stretch in np.array_split(np.arange(len(x)), max(points // 2, 1)):
+        finite = stretch[np.isfinite(y[stretch])]
+        if finite.size:
+            kept |= {int(finite[np.argmin(y[finite])]), int(finite[np.argmax(y[finite])])}
+    index = np.array(sorted(kept))
+    return x[index], y[index]

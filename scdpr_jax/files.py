@@ -1,0 +1,31 @@
+"""Files that are written whole or not at all."""
+
+import os
+import pathlib
+import tempfile
+
+
+def write_whole(path: pathlib.Path, text: str) -> None:
+    """Put a text where a file was or will be, in one step.
+
+    Whoever reads the file at any moment finds the old text or the new one. A folder that
+    is missing is made.
+
+    Args:
+        path: The file, replaced if it exists.
+        text: What it shall hold; written as UTF-8 with the line ends that it has.
+
+    Raises:
+        OSError: If the place can't be written to; what was there is still there.
+    """
+    path = pathlib.Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-", suffix=".tmp")
+    try:
+        with open(handle, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+        # A temporary file is its owner's alone; the result is to be read like any other.
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    finally:
+        pathlib.Path(name).unlink(missing_ok=True)
