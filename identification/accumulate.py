@@ -15,6 +15,7 @@ from jaxtyping import Array, Float, Int
 
 from identification.axis_motion import AxisParameters, axis_positions
 from identification.levenberg_marquardt import Normal
+from identification.misfit import channel_misfit
 from identification.record import MotorRecord, Record
 from identification.residuals import (
     Circumstances,
@@ -31,17 +32,7 @@ BLOCKS = 40
 
 
 class RunSums(NamedTuple):
-    r"""What one run adds to the normal equations.
-
-    Every channel $c$ (an encoder, a coordinate of the camera) counts with the misfit
-
-    $$ 2 n_c \ln\frac{1 + \chi_c^2}{2}, \qquad \chi_c^2 = \overline{r_c^2} $$
-
-    the likelihood of noise that is at least the sensor's, and larger by as much as the
-    model errs. Where residuals are noise ($\chi_c^2 = 1$) that is least squares; where the
-    model errs, the channel that it errs most in doesn't decide alone. The Gauss-Newton
-    model is that of least squares with the weights $2/(1 + \chi_c^2)$.
-    """
+    """What one run adds to the normal equations, see `identification.misfit`."""
 
     cost: Float[Array, ""]
     """The misfit."""
@@ -135,8 +126,10 @@ def run_sums(
         sums = _known_sums(found.known, jacobian.known)
         rows = jnp.sum(record.angle_weight > 0) * jnp.ones(2)
         frames = jnp.sum(record.frame_weight > 0, axis=0)
-        encoders = _channel_sums(found.angle, jacobian.angle, rows, stretch(when))
-        camera = _channel_sums(found.frame, jacobian.frame, frames, stretch(record.frame_time))
+        encoders = _channel_sums(found.angle, jacobian.angle, rows, stretch(when), end)
+        camera = _channel_sums(
+            found.frame, jacobian.frame, frames, stretch(record.frame_time), end
+        )
         return jax.tree.map(lambda *parts: sum(parts), sums, encoders, camera)
 
     return jax.vmap(one)(unknowns, records)
@@ -168,7 +161,8 @@ def motor_sums(
         jacobian, found = jax.jacfwd(both, has_aux=True)(unknown)
         rows = jnp.arange(found.shape[0])
         count = jnp.sum(record.weight > 0) * jnp.ones(2)
-        return _channel_sums(found, jacobian, count, rows * BLOCKS // found.shape[0])
+        block = rows * BLOCKS // found.shape[0]
+        return _channel_sums(found, jacobian, count, block, jnp.sum(record.duration))
 
     return jax.vmap(one)(unknowns, records)
 
@@ -178,16 +172,15 @@ def _channel_sums(
     jacobian: Float[Array, "samples channels n"],
     count: Float[Array, " channels"] | Int[Array, " channels"],
     block: Int[Array, " samples"],
+    duration: Float[Array, ""],
 ) -> RunSums:
-    """Sums over the channels of one stream, see `RunSums`."""
-    samples = jnp.maximum(count, 1)
-    chi_square = jnp.sum(jnp.square(residual), axis=0) / samples
-    weight = 2 / (1 + chi_square)
-    pull = jnp.sum((weight * residual)[..., None] * jacobian, axis=1)
+    """Sums over the channels of one stream."""
+    misfit = channel_misfit(residual, count, duration)
+    pull = jnp.sum((misfit.weight * residual)[..., None] * jacobian, axis=1)
     scores = jax.ops.segment_sum(pull, block, num_segments=BLOCKS)
-    scaled = (jnp.sqrt(weight)[:, None] * jacobian).reshape(-1, jacobian.shape[-1])
+    scaled = (jnp.sqrt(misfit.weight)[:, None] * jacobian).reshape(-1, jacobian.shape[-1])
     return RunSums(
-        cost=jnp.sum(2 * count * jnp.log((1 + chi_square) / 2)),
+        cost=jnp.sum(misfit.cost),
         gradient=jnp.sum(scores, axis=0),
         matrix=scaled.T @ scaled,
         scores=scores,

@@ -58,7 +58,7 @@ class Fit:
     ended: str
     """How the last fit ended: `converged`, `stalled` at a kink, or `unfinished`."""
     misfit: float
-    """Misfit per measurement [1], see `RunSums`; 0 if the residuals are only noise."""
+    """Misfit per measurement, see `identification.misfit`; 1 if it is only noise [1]."""
     measurements: int
     """Number of measurements."""
 

@@ -1,9 +1,7 @@
 """Where a fit begins: the best valleys of a scan.
 
 The vibration's phase wraps, so a fit that starts at the wrong pretension ends in a local
-minimum. A scan over pretension and friction force on a coarse grid finds the valleys; a
-cost that counts the logarithm of every channel's misfit keeps one diverging encoder from
-deciding alone.
+minimum. A scan over pretension and friction force on a coarse grid finds the valleys.
 """
 
 from collections.abc import Sequence
@@ -15,6 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from identification.accumulate import run_residuals
+from identification.misfit import channel_misfit
 from identification.record import Record
 
 LANES = 240
@@ -31,16 +30,14 @@ KNOCKS = tuple(float(f) for s in (-1, 1) for f in s * 2.0 * 1.25 ** np.arange(20
 
 
 @eqx.filter_jit
-def log_costs(
+def costs(
     robot,
     free: tuple[str, ...],
     unknowns: Float[Array, "lanes n"],
     run: Int[Array, " lanes"],
     records: Record,
 ) -> Float[Array, " lanes"]:
-    r"""Misfit of many simulations, $\sum_c n_c \ln(\overline{r_c^2} + 1)$ over the channels.
-
-    That is the likelihood of noise whose size is unknown in every channel $c$.
+    """Misfit of many simulations, see `identification.misfit`.
 
     Args:
         robot: The robot with its fixed quantities.
@@ -56,12 +53,12 @@ def log_costs(
     def one(unknown: Float[Array, " n"], number: Int[Array, ""]) -> Float[Array, ""]:
         chosen = jax.tree.map(lambda leaf: leaf[number], records)
         found = run_residuals(robot, free, unknown, chosen)
-        rows = jnp.sum(chosen.angle_weight > 0)
+        rows = jnp.sum(chosen.angle_weight > 0) * jnp.ones(2)
         frames = jnp.sum(chosen.frame_weight > 0, axis=0)
-        angle = jnp.sum(jnp.square(found.angle), axis=0)
-        frame = jnp.sum(jnp.square(found.frame), axis=0)
-        misfit = jnp.sum(rows * jnp.log1p(angle / rows))
-        misfit += jnp.sum(frames * jnp.log1p(frame / jnp.maximum(frames, 1)))
+        duration = jnp.sum(chosen.inputs.duration)
+        angle = channel_misfit(found.angle, rows, duration)
+        frame = channel_misfit(found.frame, frames, duration)
+        misfit = jnp.sum(angle.cost) + jnp.sum(frame.cost)
         return jnp.where(jnp.isfinite(misfit), misfit, jnp.inf)
 
     lanes = jax.tree.map(lambda leaf: leaf.reshape(-1, LANES, *leaf.shape[1:]), (unknowns, run))
@@ -87,5 +84,5 @@ def scan(
     padding = -count % LANES
     unknowns = np.concatenate([unknowns, np.repeat(unknowns[:1], padding, axis=0)])
     numbers = np.concatenate([np.asarray(run), np.repeat(run[0], padding)])
-    found = log_costs(robot, free, jnp.asarray(unknowns), jnp.asarray(numbers), records)
+    found = costs(robot, free, jnp.asarray(unknowns), jnp.asarray(numbers), records)
     return np.asarray(found)[:count]

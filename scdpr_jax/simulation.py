@@ -183,11 +183,12 @@ def _equations(
 
 def _jumps(
     inputs: Float[Array, "intervals inputs"], times: Float[Array, " intervals+1"]
-) -> Float[Array, " intervals-1"]:
+) -> Float[Array, " intervals"]:
     """When the inputs change; where they don't, a time after the end stands instead."""
     changes = jnp.any(inputs[1:] != inputs[:-1], axis=1)
     never = 2 * times[-1] - times[0] + 1
-    return jnp.sort(jnp.where(changes, times[1:-1], never))
+    # One time after the end is always there: the solver takes no empty array.
+    return jnp.sort(jnp.append(jnp.where(changes, times[1:-1], never), never))
 
 
 def _unless_given_up(solution: diffrax.Solution, max_steps: int) -> State:

@@ -1,0 +1,129 @@
+"""The report of one motor-driven axis: one HTML file that needs nothing else."""
+
+import pathlib
+
+import numpy as np
+
+from experiments.figures.axis import axis_figure
+from experiments.figures.correlation import correlation
+from experiments.number_text import percent, plain, rounded
+from experiments.page import Pictures, page, versions
+from experiments.parameter_table import Row, readable_unit
+from identification.axis_log import AxisLog
+from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
+from scdpr_jax.files import write_whole
+
+_LINEAR = {"mass": "kg", "viscous": "N s/m", "coulomb": "N", "offset": "N"}
+_ROTARY = {"mass": "kg m^2", "viscous": "N m s", "coulomb": "N m", "offset": "N m"}
+_MEANING = {
+    "mass": ("M", "", "moving mass, the motor's inertia with it"),
+    "viscous": ("F", "v", "viscous friction"),
+    "coulomb": ("F", "c", "Coulomb friction"),
+    "offset": ("o", "", "constant force against the drive"),
+}
+
+
+def write_drive_report(
+    path: pathlib.Path, *, log: AxisLog, estimate: DriveAxisEstimate
+) -> None:
+    """Write the report of an axis, whole or not at all.
+
+    Args:
+        path: The file, replaced if it exists.
+        log: The axis's log.
+        estimate: What was found in it.
+
+    Raises:
+        OSError: If the place can't be written to.
+    """
+    picture = Pictures()
+    text = page(
+        "drive.html.j2",
+        title="Identification of a motor-driven axis",
+        sentences=axis_sentences(log, estimate),
+        rows=axis_rows(log, estimate),
+        pictures=[
+            picture(
+                axis_figure(log, estimate),
+                "The simulation is started once at rest and runs open loop over the whole "
+                "record: its distance from the log is the model's own. Where the residual "
+                "grows, friction differs from what it is elsewhere.",
+            ),
+            picture(
+                correlation(list(PARAMETER_NAMES), np.asarray(estimate.correlation)),
+                "Correlation of the estimates.",
+                narrow=True,
+            ),
+        ],
+        provenance=[("samples", f"{log.time.size}"), *versions()],
+    )
+    write_whole(pathlib.Path(path), text)
+
+
+def axis_rows(log: AxisLog, estimate: DriveAxisEstimate) -> list[Row]:
+    """The lines of an axis's table of parameters.
+
+    Args:
+        log: The log, for its unit.
+        estimate: The estimate.
+
+    Returns:
+        One for each parameter.
+    """
+    units = _LINEAR if log.position_unit == "m" else _ROTARY
+    rows = []
+    for index, name in enumerate(PARAMETER_NAMES):
+        number = float(getattr(estimate.parameters, name))
+        half = 1.96 * float(getattr(estimate.sigma, name))
+        low, high = (float(end) for end in estimate.interval95[index])
+        base, lower_index, meaning = _MEANING[name]
+        rows.append(
+            Row(
+                name=name,
+                symbol=(base, lower_index),
+                meaning=meaning,
+                setting="",
+                value=rounded(number, half),
+                low=rounded(low, half),
+                high=rounded(high, half),
+                relative=percent(half / abs(number)) if number else "",
+                unit=readable_unit(units[name]),
+                status=estimate.status[index].replace("_", " "),
+                truth="",
+                error="",
+                covered="",
+            )
+        )
+    return rows
+
+
+def axis_sentences(log: AxisLog, estimate: DriveAxisEstimate) -> list[str]:
+    """What an axis's estimate comes to, in plain words.
+
+    Args:
+        log: The log.
+        estimate: The estimate.
+
+    Returns:
+        Sentences.
+    """
+    factor, unit = (1e3, "mm") if log.position_unit == "m" else (1e3, "mrad")
+    error, motion = float(estimate.open_loop_rmse), float(np.ptp(np.asarray(log.position)))
+    sentences = [
+        f"{row.meaning.capitalize()}: {row.value} {row.unit}, 95 % from {row.low} to "
+        f"{row.high} ({row.status})."
+        for row in axis_rows(log, estimate)
+    ]
+    sentences.append(
+        f"Open loop over the whole record the axis is predicted to {plain(factor * error, 3)} "
+        f"{unit} rms, {percent(error / motion)} of its {plain(factor * motion, 3)} {unit} of "
+        "motion."
+    )
+    sentences.append(
+        f"{estimate.agreeing_starts} of {estimate.starts} starts of the search agree; the "
+        f"residuals hang together for {plain(float(estimate.memory))} s, which the intervals "
+        "take into account."
+    )
+    if not estimate.converged:
+        sentences.append("The search used up its steps before it converged: don't rely on it.")
+    return sentences

@@ -1,0 +1,108 @@
+"""What a shaper leaves of a vibration, over the vibration's frequency."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+from matplotlib.figure import Figure
+
+from experiments.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    figure_legend,
+    label,
+    new_figure,
+    styled,
+)
+from scdpr_jax.shaper import Shaper, residual_vibration
+
+_POINTS = 500
+_STYLES = (
+    (BLUE, "-"),
+    (VERMILION, "--"),
+    (GREEN, "-."),
+    (PURPLE, ":"),
+    (ORANGE, "-"),
+    (SKY, "--"),
+)
+
+
+class NamedShaper(NamedTuple):
+    """A shaper of a figure."""
+
+    name: str
+    """What it is called."""
+    shaper: Shaper
+    """Its impulses."""
+    damping_ratio: float
+    """Damping ratio that it meets [1]."""
+    band: tuple[float, float]
+    """Frequencies that it may meet [Hz]."""
+
+
+def residual_curve(
+    named: NamedShaper, frequency: Float[np.ndarray, " points"]
+) -> Float[np.ndarray, " points"]:
+    """Residual vibration of a shaper over the frequency that it meets.
+
+    Args:
+        named: The shaper.
+        frequency: Frequencies [Hz].
+
+    Returns:
+        Residual vibration [1], 1 for as much as without a shaper.
+    """
+    ratio = jnp.asarray(named.damping_ratio)
+    curve = jax.vmap(
+        lambda f: residual_vibration(named.shaper, frequency=f, damping_ratio=ratio)
+    )(jnp.asarray(frequency))
+    return np.asarray(curve)
+
+
+@styled
+def shaper_response(shapers: Sequence[NamedShaper], *, tolerance: float = 0.05) -> Figure:
+    """Residual vibration over frequency, and the impulses.
+
+    Args:
+        shapers: The shapers; the band of each is shaded.
+        tolerance: Residual vibration to draw a line at [1].
+
+    Returns:
+        The figure.
+    """
+    low = 0.5 * min(named.band[0] for named in shapers)
+    high = 1.5 * max(named.band[1] for named in shapers)
+    frequency = np.linspace(low, high, _POINTS)
+    figure = new_figure(height=3.8)
+    left, right = figure.subplots(1, 2, width_ratios=(2, 1))
+    for (color, style), named in zip(_STYLES * len(shapers), shapers, strict=False):
+        left.plot(
+            frequency,
+            100 * residual_curve(named, frequency),
+            color=color,
+            ls=style,
+            label=named.name,
+        )
+        left.axvspan(*named.band, color=color, alpha=0.13, lw=0)
+        times = 1e3 * np.asarray(named.shaper.times)
+        amplitudes = np.asarray(named.shaper.amplitudes)
+        stems = right.vlines(times, 0, amplitudes, color=color, lw=2.5)
+        stems.set_linestyle(style)
+        right.plot(times, amplitudes, "o", color=color, ms=5)
+    left.axhline(100 * tolerance, color="#999999", ls=(0, (2, 2)), lw=1)
+    left.set_ylim(0, 105)
+    left.set_xlim(low, high)
+    left.set_xlabel(label("frequency of the vibration", "Hz"))
+    left.set_ylabel(label("residual vibration", "%"))
+    right.axhline(0, color="#999999", lw=0.8)
+    right.set_xlabel(label("time", "ms"))
+    right.set_ylabel(label("impulse amplitude", "1"))
+    figure_legend(figure, left, columns=3)
+    return figure

@@ -1,0 +1,100 @@
+"""Numbers as they are printed: no more digits than their uncertainty bears."""
+
+import math
+
+_MOST_DECIMALS = 12
+
+
+def decimals(sigma: float) -> int:
+    """Decimals that a value deserves: two significant digits of its standard error.
+
+    Args:
+        sigma: Standard error, positive.
+
+    Returns:
+        Number of decimals, from 0 to 12.
+    """
+    return min(max(1 - math.floor(math.log10(sigma)), 0), _MOST_DECIMALS)
+
+
+def rounded(value: float, sigma: float) -> str:
+    """A value with the digits that its standard error bears.
+
+    Args:
+        value: The value.
+        sigma: Its standard error, in the same unit; 0 or infinite for none.
+
+    Returns:
+        The number: to two digits of the error, or to six digits of its own.
+    """
+    if not math.isfinite(value):
+        return "∞" if value > 0 else "−∞" if value < 0 else "–"
+    if not (sigma > 0 and math.isfinite(sigma)):
+        return short(value)
+    places = decimals(sigma)
+    if abs(value) < 1e-9 and sigma < 1e-9:
+        return short(value, 4)
+    return _minus(f"{value:.{places}f}")
+
+
+def short(value: float, digits: int = 6) -> str:
+    """A value to some digits, without trailing zeros.
+
+    Args:
+        value: The value.
+        digits: Significant digits.
+
+    Returns:
+        The number.
+    """
+    if not math.isfinite(value):
+        return "∞" if value > 0 else "−∞" if value < 0 else "–"
+    return _minus(f"{value:.{digits}g}")
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """A share in per cent.
+
+    Args:
+        share: The share [1].
+        digits: Significant digits.
+
+    Returns:
+        "1.2 %".
+    """
+    return f"{plain(100 * share, digits)} %"
+
+
+def plain(value: float, digits: int = 2) -> str:
+    """A number to some significant digits, written without an exponent.
+
+    Args:
+        value: The number.
+        digits: Significant digits; more before the decimal point are kept.
+
+    Returns:
+        The number.
+    """
+    if not math.isfinite(value):
+        return short(value)
+    if value == 0:
+        return "0"
+    places = digits - 1 - math.floor(math.log10(abs(value)))
+    return _minus(f"{value:.{min(max(places, 0), _MOST_DECIMALS)}f}")
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−") if "e" not in text else text
+
+
+def split_at_point(text: str) -> tuple[str, str]:
+    """A number's text before the decimal point and from it on, to align a column.
+
+    Args:
+        text: The number's text.
+
+    Returns:
+        Both parts; the second is empty for a number without decimals.
+    """
+    whole, point, part = text.partition(".")
+    return whole, point + part

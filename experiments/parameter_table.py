@@ -1,0 +1,115 @@
+"""The table of parameters: what was estimated, how sure, and beside the truth."""
+
+from typing import NamedTuple
+
+from experiments.coordinates import plain_symbol
+from experiments.number_text import percent, rounded
+from identification.uncertainty import ParameterEstimate, half_width
+from scdpr_jax.parameters import QUANTITIES
+
+COVERED = 0.997
+"""Level of the interval that the truth is looked for in [1]."""
+
+
+class Row(NamedTuple):
+    """A parameter's line, its numbers as they are printed."""
+
+    name: str
+    """Name in the file formats."""
+    symbol: tuple[str, str]
+    """Symbol and its index."""
+    meaning: str
+    """What it is."""
+    setting: str
+    """Nominal pretension that it belongs to, empty if to all."""
+    value: str
+    """Value."""
+    low: str
+    """Lower end of the 95 % interval, empty for a fixed value."""
+    high: str
+    """Upper end."""
+    relative: str
+    """Half of the interval over the value."""
+    unit: str
+    """SI unit, empty for none."""
+    status: str
+    """What the estimate is worth."""
+    truth: str
+    """True value, empty where it isn't known."""
+    error: str
+    """Estimate minus truth over truth."""
+    covered: str
+    """Whether the 99.7 % interval covers the truth: yes, no, or empty."""
+
+
+def parameter_row(
+    parameter: ParameterEstimate, *, truth: dict[str, float] | None = None
+) -> Row:
+    """A parameter's line.
+
+    Args:
+        parameter: The parameter.
+        truth: True values by name [SI], where they are known.
+
+    Returns:
+        The line.
+    """
+    known = {quantity.name: quantity for quantity in QUANTITIES}.get(parameter.name)
+    low, high = parameter.interval95
+    half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
+    fixed = parameter.status == "fixed"
+    true = None if fixed else (truth or {}).get(parameter.name)
+    return Row(
+        name=parameter.name,
+        symbol=plain_symbol(known.symbol) if known else ("", ""),
+        meaning=known.meaning if known else parameter.name.replace("_", " "),
+        setting=parameter.setting or "",
+        value=rounded(parameter.value, half),
+        low="" if fixed else rounded(low, half),
+        high="" if fixed else rounded(high, half),
+        relative="" if fixed or not parameter.value else percent(half / abs(parameter.value)),
+        unit="" if parameter.unit == "1" else readable_unit(parameter.unit),
+        status=parameter.status.replace("_", " "),
+        truth="" if true is None else rounded(true, half),
+        error="" if not true else signed_percent(parameter.value / true - 1),
+        covered="" if true is None else ("yes" if covers(parameter, true) else "no"),
+    )
+
+
+def covers(parameter: ParameterEstimate, truth: float) -> bool:
+    """Whether a parameter's 99.7 % interval covers the truth.
+
+    Args:
+        parameter: The parameter.
+        truth: The true value [SI].
+
+    Returns:
+        Whether it does.
+    """
+    low, high = parameter.interval(COVERED)
+    return low <= truth <= high
+
+
+def readable_unit(unit: str) -> str:
+    """A unit as it is printed in a table.
+
+    Args:
+        unit: Unit in the code's notation, "kg m^2".
+
+    Returns:
+        The same with raised digits, "kg m²".
+    """
+    return unit.replace("^2", "²")
+
+
+def signed_percent(share: float) -> str:
+    """A share in per cent with its sign.
+
+    Args:
+        share: The share [1].
+
+    Returns:
+        "+0.0031 %".
+    """
+    text = percent(share)
+    return text if text.startswith("−") else f"+{text}"

@@ -1,0 +1,234 @@
+"""What a report says of gains and shapers, before and after."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from experiments.figures.bode import bode, open_loop
+from experiments.figures.shaper_response import NamedShaper, shaper_response
+from experiments.figures.tracking import tracking
+from experiments.number_text import percent, plain, short
+from experiments.page import Picture, Pictures
+from scdpr_jax.parameters import Robot
+from tuning.plant import MotorPlant
+from tuning.types import Metrics, RegionalShaper, Tuning
+
+_TOGETHER = 4
+"""Shapers in one figure: more lines can't be told apart."""
+
+DELAY = 1
+"""Samples from a measurement to its command that the margins are given for."""
+
+
+class Table(NamedTuple):
+    """A table of a report, its numbers as they are printed."""
+
+    title: str
+    """What it is about."""
+    header: tuple[str, ...]
+    """Names of the columns."""
+    rows: tuple[tuple[str, ...], ...]
+    """The lines."""
+
+
+class TuningSection(NamedTuple):
+    """The part of a report that is about a tuning."""
+
+    sentences: tuple[str, ...]
+    """What it comes to, in plain words."""
+    tables: tuple[Table, ...]
+    """Gains, shapers and predictions."""
+    pictures: tuple[Picture, ...]
+    """Its figures."""
+
+
+def tuning_section(tuning: Tuning, *, robot: Robot, picture: Pictures) -> TuningSection:
+    """The part of a report that is about a tuning.
+
+    Args:
+        tuning: The tuning.
+        robot: The robot that it is for.
+        picture: The page's figures.
+
+    Returns:
+        Sentences, tables and figures.
+    """
+    return TuningSection(
+        sentences=tuning_sentences(tuning),
+        tables=tuning_tables(tuning),
+        pictures=tuple(_pictures(tuning, robot, picture)),
+    )
+
+
+def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
+    """What a tuning comes to, in plain words.
+
+    Args:
+        tuning: The tuning.
+
+    Returns:
+        Sentences.
+    """
+    margin = plain(float(np.degrees(tuning.margins.phase_margin)), 3)
+    controller = tuning.controller
+    sentences = [
+        f"PD gains {short(float(controller.proportional_gain), 5)} V/rad and "
+        f"{short(float(controller.derivative_gain), 5)} V s/rad, with {margin}° of phase "
+        "margin as sampled.",
+    ]
+    for one in tuning.predicted:
+        before, after = one.before.residual_vibration, one.after.residual_vibration
+        sentences.append(
+            f"{one.name.capitalize()}: vibration after the arrival {plain(1e3 * before)} mm "
+            f"before, {plain(1e3 * after)} mm after, peak to peak; largest error "
+            f"{plain(1e3 * one.before.largest_original_error)} mm before, "
+            f"{plain(1e3 * one.after.largest_original_error)} mm after (simulated)."
+        )
+    return (*sentences, *tuning.notes)
+
+
+def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
+    """A tuning's gains, shapers and predictions.
+
+    Args:
+        tuning: The tuning.
+
+    Returns:
+        The tables that aren't empty.
+    """
+    tables = (_gains(tuning), _shapers(tuning), _predicted(tuning))
+    return tuple(table for table in tables if table.rows)
+
+
+def _gains(tuning: Tuning) -> Table:
+    controller, margins = tuning.controller, tuning.margins
+    gain_margin = float(margins.gain_margin)
+    return Table(
+        "Controller of both drives",
+        ("quantity", "value", "unit"),
+        (
+            ("proportional gain", short(float(controller.proportional_gain)), "V/rad"),
+            ("derivative gain", short(float(controller.derivative_gain)), "V s/rad"),
+            ("derivative filter", short(1e3 * float(controller.filter_time), 4), "ms"),
+            ("sample period", short(1e3 * float(controller.period), 4), "ms"),
+            ("gain crossover", short(float(margins.gain_crossover), 4), "rad/s"),
+            ("phase margin", short(float(np.degrees(margins.phase_margin)), 4), "°"),
+            ("delay margin", short(1e3 * float(margins.delay_margin), 4), "ms"),
+            ("gain margin", short(20 * float(np.log10(gain_margin)), 4), "dB"),
+            ("peak sensitivity", short(float(margins.peak_sensitivity), 4), "1"),
+        ),
+    )
+
+
+def _shapers(tuning: Tuning) -> Table:
+    return Table(
+        "Shapers, for legs that end in the region",
+        (
+            "region",
+            "frequency [Hz]",
+            "band [Hz]",
+            "from",
+            "duration [ms]",
+            "times [ms]",
+            "amplitudes [1]",
+            "left, nominal",
+            "left, worst",
+        ),
+        tuple(_shaper(one) for one in tuning.shapers),
+    )
+
+
+def _shaper(one: RegionalShaper) -> tuple[str, ...]:
+    times = np.atleast_1d(np.asarray(one.shaper.times))
+    amplitudes = np.atleast_1d(np.asarray(one.shaper.amplitudes))
+    return (
+        region_name(one),
+        short(one.frequency, 4),
+        f"{short(one.band[0], 4)} … {short(one.band[1], 4)}",
+        "knock" if one.measured else "model",
+        short(1e3 * float(one.shaper.duration), 4),
+        ", ".join(short(1e3 * float(time), 4) for time in times),
+        ", ".join(short(float(amplitude), 4) for amplitude in amplitudes),
+        percent(one.residual_vibration.nominal),
+        percent(one.residual_vibration.worst),
+    )
+
+
+def region_name(one: RegionalShaper) -> str:
+    """A region in one line.
+
+    Args:
+        one: The regional shaper.
+
+    Returns:
+        Its ranges [mm, N].
+    """
+    x, y = ([f"{1e3 * end:.0f}" for end in pair] for pair in (one.region.x, one.region.y))
+    low, high = one.region.pretension
+    tension = f"{low:g} N" if low == high else f"{low:g}–{high:g} N"
+    return f"x {x[0]}–{x[1]}, y {y[0]}–{y[1]} mm, {tension}"
+
+
+_COMPARED = (
+    ("vibration after arrival [mm]", 1e3, "residual_vibration"),
+    ("resting error [mm]", 1e3, "resting_error"),
+    ("largest error, original [mm]", 1e3, "largest_original_error"),
+    ("largest error, commanded [mm]", 1e3, "largest_error"),
+    ("largest command [V]", 1.0, "largest_voltage"),
+    ("saturated [%]", 100.0, "saturation"),
+)
+
+
+def _predicted(tuning: Tuning) -> Table:
+    def line(name: str, metrics: Metrics) -> tuple[str, ...]:
+        return (name, *(plain(f * getattr(metrics, field), 3) for _, f, field in _COMPARED))
+
+    return Table(
+        "Manoeuvres, simulated before and after",
+        ("manoeuvre", *(name for name, _, _ in _COMPARED)),
+        tuple(
+            row
+            for one in tuning.predicted
+            for row in (
+                line(f"{one.name}, before", one.before),
+                line(f"{one.name}, after", one.after),
+            )
+        ),
+    )
+
+
+def _pictures(tuning: Tuning, robot: Robot, picture: Pictures) -> Iterator[Picture]:
+    drive = robot.drive
+    plant = MotorPlant(
+        gain=drive.torque_per_volt / drive.inertia, pole=drive.damping / drive.inertia
+    )
+    crossover = float(tuning.margins.gain_crossover)
+    if np.isfinite(crossover):
+        loop = open_loop(plant, tuning.controller, delay=DELAY, crossover=crossover)
+        yield picture(
+            bode(loop, tuning.margins),
+            "Open loop of a drive as the controller runs it, sampled and one sample late. The "
+            "thick bars are the margins; the further from zero, the safer.",
+            narrow=True,
+        )
+    for first in range(0, len(tuning.shapers), _TOGETHER):
+        named = [
+            NamedShaper(region_name(one), one.shaper, one.damping_ratio, one.band)
+            for one in tuning.shapers[first : first + _TOGETHER]
+        ]
+        yield picture(
+            shaper_response(named),
+            "What each shaper leaves of a vibration, over the vibration's frequency. Inside "
+            "its shaded band, which the true frequency lies in with 95 %, the curve should "
+            "stay low. Right: the impulses.",
+        )
+    limit = float(drive.voltage_limit)
+    for one in tuning.predicted:
+        if one.run_before is not None and one.run_after is not None:
+            yield picture(
+                tracking(one.run_before, one.run_after, voltage_limit=limit),
+                f"{one.name.capitalize()}, simulated with the fitted robot: before with the "
+                "published gains and the plain reference, after with the tuned gains and the "
+                "shaped one. Look at the lower left: what still moves after the arrival.",
+            )
