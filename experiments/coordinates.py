@@ -56,10 +56,10 @@ _GREEK = {
 
 
 def plain_symbol(tex: str) -> tuple[str, str]:
-    """A symbol in TeX as plain text and its index, to be set lower.
+    r"""A symbol in TeX as plain text and its index, to be set lower.
 
     Args:
-        tex: The symbol, such as `\\tau_f`.
+        tex: The symbol, such as `\tau_f`.
 
     Returns:
         Base and index; the index is empty where there is none.

@@ -6,9 +6,9 @@ import numpy as np
 
 from experiments.figures.axis import axis_figure
 from experiments.figures.correlation import correlation
-from experiments.number_text import percent, plain, rounded
+from experiments.number_text import percent, plain, readable_unit, rounded
 from experiments.page import Pictures, page, versions
-from experiments.parameter_table import Row, readable_unit
+from experiments.parameter_table import Row
 from identification.axis_log import AxisLog
 from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
 from scdpr_jax.files import write_whole
@@ -40,8 +40,8 @@ def write_drive_report(
     text = page(
         "drive.html.j2",
         title="Identification of a motor-driven axis",
-        sentences=axis_sentences(log, estimate),
-        rows=axis_rows(log, estimate),
+        sentences=axis_sentences(estimate, position_unit=log.position_unit),
+        rows=axis_rows(estimate, position_unit=log.position_unit),
         pictures=[
             picture(
                 axis_figure(log, estimate),
@@ -60,17 +60,17 @@ def write_drive_report(
     write_whole(pathlib.Path(path), text)
 
 
-def axis_rows(log: AxisLog, estimate: DriveAxisEstimate) -> list[Row]:
+def axis_rows(estimate: DriveAxisEstimate, *, position_unit: str) -> list[Row]:
     """The lines of an axis's table of parameters.
 
     Args:
-        log: The log, for its unit.
         estimate: The estimate.
+        position_unit: SI unit of its log's positions, "m" or "rad".
 
     Returns:
         One for each parameter.
     """
-    units = _LINEAR if log.position_unit == "m" else _ROTARY
+    units = _LINEAR if position_unit == "m" else _ROTARY
     rows = []
     for index, name in enumerate(PARAMETER_NAMES):
         number = float(getattr(estimate.parameters, name))
@@ -97,26 +97,29 @@ def axis_rows(log: AxisLog, estimate: DriveAxisEstimate) -> list[Row]:
     return rows
 
 
-def axis_sentences(log: AxisLog, estimate: DriveAxisEstimate) -> list[str]:
+def axis_sentences(estimate: DriveAxisEstimate, *, position_unit: str) -> list[str]:
     """What an axis's estimate comes to, in plain words.
 
     Args:
-        log: The log.
         estimate: The estimate.
+        position_unit: SI unit of its log's positions, "m" or "rad".
 
     Returns:
-        Sentences.
+        Sentences: one for each parameter, then how far to trust them.
     """
-    factor, unit = (1e3, "mm") if log.position_unit == "m" else (1e3, "mrad")
-    error, motion = float(estimate.open_loop_rmse), float(np.ptp(np.asarray(log.position)))
+    unit = "mm" if position_unit == "m" else "mrad"
+    error, motion = (
+        float(estimate.open_loop_rmse),
+        float(np.ptp(np.asarray(estimate.positions))),
+    )
     sentences = [
         f"{row.meaning.capitalize()}: {row.value} {row.unit}, 95 % from {row.low} to "
         f"{row.high} ({row.status})."
-        for row in axis_rows(log, estimate)
+        for row in axis_rows(estimate, position_unit=position_unit)
     ]
     sentences.append(
-        f"Open loop over the whole record the axis is predicted to {plain(factor * error, 3)} "
-        f"{unit} rms, {percent(error / motion)} of its {plain(factor * motion, 3)} {unit} of "
+        f"Open loop over the whole record the axis is predicted to {plain(1e3 * error, 3)} "
+        f"{unit} rms, {percent(error / motion)} of its {plain(1e3 * motion, 3)} {unit} of "
         "motion."
     )
     sentences.append(

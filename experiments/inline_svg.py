@@ -5,6 +5,7 @@ import io
 import re
 
 import matplotlib
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 _OUTER = re.compile(r"^.*?(?=<svg)", re.DOTALL)
@@ -39,7 +40,9 @@ def inline_svg(figure: Figure, *, name: str, description: str) -> str:
     file = io.StringIO()
     # Text as text, and identifiers that don't change from one run to the next.
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
-        figure.savefig(file, format="svg", metadata={"Date": None})
+        _lay_out(figure)
+        # Not `savefig`, which draws everything twice.
+        FigureCanvasSVG(figure).print_svg(file, metadata={"Date": None})
     text = _OUTER.sub("", file.getvalue(), count=1)
     for unwanted in (_METADATA, _NAMESPACE, _COMMENT):
         text = unwanted.sub("", text)
@@ -51,6 +54,14 @@ def inline_svg(figure: Figure, *, name: str, description: str) -> str:
     text = _shortened(text)
     spoken = html.escape(description, quote=True)
     return text.replace("<svg", f'<svg role="img" aria-label="{spoken}"', 1)
+
+
+def _lay_out(figure: Figure) -> None:
+    """Let a figure place its parts once; every later drawing would do it again."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 def _shortened(text: str) -> str:

@@ -83,6 +83,18 @@ def plain(value: float, digits: int = 2) -> str:
     return _minus(f"{value:.{min(max(places, 0), _MOST_DECIMALS)}f}")
 
 
+def readable_unit(unit: str) -> str:
+    """A unit as it is printed in a table.
+
+    Args:
+        unit: Unit in the code's notation, "kg m^2".
+
+    Returns:
+        The same with raised digits, "kg m²".
+    """
+    return unit.replace("^2", "²")
+
+
 def _minus(text: str) -> str:
     return text.replace("-", "−") if "e" not in text else text
 

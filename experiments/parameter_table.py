@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from experiments.coordinates import plain_symbol
-from experiments.number_text import percent, rounded
+from experiments.number_text import percent, readable_unit, rounded
 from identification.uncertainty import ParameterEstimate, half_width
 from scdpr_jax.parameters import QUANTITIES
 
@@ -72,11 +72,11 @@ def parameter_row(
         status=parameter.status.replace("_", " "),
         truth="" if true is None else rounded(true, half),
         error="" if not true else signed_percent(parameter.value / true - 1),
-        covered="" if true is None else ("yes" if covers(parameter, true) else "no"),
+        covered="" if true is None else ("yes" if inside(parameter, true) else "no"),
     )
 
 
-def covers(parameter: ParameterEstimate, truth: float) -> bool:
+def inside(parameter: ParameterEstimate, truth: float) -> bool:
     """Whether a parameter's 99.7 % interval covers the truth.
 
     Args:
@@ -88,18 +88,6 @@ def covers(parameter: ParameterEstimate, truth: float) -> bool:
     """
     low, high = parameter.interval(COVERED)
     return low <= truth <= high
-
-
-def readable_unit(unit: str) -> str:
-    """A unit as it is printed in a table.
-
-    Args:
-        unit: Unit in the code's notation, "kg m^2".
-
-    Returns:
-        The same with raised digits, "kg m²".
-    """
-    return unit.replace("^2", "²")
 
 
 def signed_percent(share: float) -> str:

@@ -214,7 +214,7 @@ class _Rig:
     def manoeuvre(self, trajectory: eqx.Module) -> _Logged:
         """A manoeuvre under the paper's PD, with a rest before and after."""
         rows = round((float(trajectory.duration) + 0.6) / PERIOD)
-        reference = np.asarray(jax.vmap(trajectory.position)(jnp.arange(ROWS) * PERIOD))
+        reference = np.asarray(jax.vmap(trajectory.position)(PERIOD * jnp.arange(float(ROWS))))
         x, y = (float(part) for part in reference[0])
         return self.under_control(self.start((x, y)), reference, np.zeros(ROWS), rows)
 
@@ -329,7 +329,7 @@ def _film(
     interval = jnp.clip((stamps / PERIOD).astype(int), 0, ROWS - 2)
     inputs = Inputs(jnp.full(ROWS - 1, PERIOD), jnp.zeros((ROWS - 1, 2)), 0.0)
     positions = interpolate(
-        states, inputs, interval=interval, fraction=stamps / PERIOD - interval
+        states, inputs, interval=interval, fraction=stamps / PERIOD - interval.astype(float)
     )
     return stamps, observe(camera, positions, key=noise)
 
@@ -380,7 +380,7 @@ def _open_loop(
     robot: Robot,
     start: State,
     voltage: Float[np.ndarray, "rows 2"],
-    knock: Float[np.ndarray, " rows"] | None = None,
+    knock: Float[np.ndarray, " instants"] | None = None,
 ) -> _Simulated:
     """The robot under given commands, zero volts once they end."""
     commands = np.zeros((ROWS - 1, 2))

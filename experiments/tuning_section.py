@@ -10,6 +10,7 @@ from experiments.figures.shaper_response import NamedShaper, shaper_response
 from experiments.figures.tracking import tracking
 from experiments.number_text import percent, plain, short
 from experiments.page import Picture, Pictures
+from scdpr_jax.drive import drive_gain, drive_pole
 from scdpr_jax.parameters import Robot
 from tuning.plant import MotorPlant
 from tuning.types import Metrics, RegionalShaper, Tuning
@@ -200,9 +201,7 @@ def _predicted(tuning: Tuning) -> Table:
 
 def _pictures(tuning: Tuning, robot: Robot, picture: Pictures) -> Iterator[Picture]:
     drive = robot.drive
-    plant = MotorPlant(
-        gain=drive.torque_per_volt / drive.inertia, pole=drive.damping / drive.inertia
-    )
+    plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
     crossover = float(tuning.margins.gain_crossover)
     if np.isfinite(crossover):
         loop = open_loop(plant, tuning.controller, delay=DELAY, crossover=crossover)

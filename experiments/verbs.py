@@ -64,20 +64,20 @@ def calibrate(
         out: Folder for parameters.json, frequencies.csv, tuning.json and report.html.
         skip_bad_runs: Go on without runs that have faults, and say which.
         free: Quantities to estimate; default: friction, drive inertia and damping, and
-            the effective pretension of each setting.
+            the effective pretension of each setting; the drives' dry friction too where
+            the residuals ask for it.
         hold_out: Runs to predict instead of fitting them; default: the manoeuvre that
             goes the furthest. Give it without a name to fit every run.
     """
     set_up()
     from experiments import pipeline, summary
-    from identification.unknowns import DEFAULT_FREE
 
     pipeline.require_outside(out, campaign)
     read = pipeline.read_for_use(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
         calibration = pipeline.calibrate(
             read,
-            free=free or DEFAULT_FREE,
+            free=free or None,
             hold_out=hold_out,
             progress=stage(progress, 0.0, 0.93),
         )

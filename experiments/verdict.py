@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from experiments.coordinates import COORDINATES
-from experiments.number_text import percent, plain, rounded
+from experiments.number_text import percent, plain, readable_unit, rounded
 from identification.campaign.types import Campaign
 from identification.comparison import ENCODERS, Channel, Comparison
 from identification.estimate import Estimate
@@ -190,7 +190,7 @@ def words(campaign: Campaign, estimate: Estimate, *, frequencies: FrequencyMap |
     """The summary in plain words.
 
     Args:
-        campaign: The campaign.
+        campaign: The campaign, None if nothing is to be said of its clocks and faults.
         estimate: What was found in it.
         frequencies: Its natural frequencies, None without.
 
@@ -209,19 +209,17 @@ def words(campaign: Campaign, estimate: Estimate, *, frequencies: FrequencyMap |
         found.append(_frequencies(frequencies))
     sure = [_noise(estimate)]
     sure += [_held_out(one) for one in predictions(estimate)]
-    sure += _clocks(campaign, estimate)
     sure += _ending(estimate)
-    sure += [
-        f"Run {name} was skipped: {faults[0] if faults else 'no reason given'}"
-        for name, faults in campaign.skipped
-    ]
+    if campaign is not None:
+        sure += _clocks(campaign, estimate)
+        sure += _skipped(campaign)
     return Words(tuple(found), tuple(sure), tuple(_next(estimate, frequencies)))
 
 
 def _parameter(parameter: ParameterEstimate) -> str:
     setting = "" if parameter.setting is None else f" at {parameter.setting}"
     name = parameter.name.replace("_", " ").capitalize() + setting
-    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    unit = "" if parameter.unit == "1" else f" {readable_unit(parameter.unit)}"
     if parameter.status == "unidentifiable":
         return f"{name} can't be told from these runs."
     if parameter.status == "at_bound":
@@ -293,6 +291,13 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> list[str]:
         for name in unknown
     )
     return [f"The camera's clock was unknown and estimated, camera minus drive: {offsets}."]
+
+
+def _skipped(campaign: Campaign) -> list[str]:
+    return [
+        f"Run {name} was skipped: {faults[0] if faults else 'no reason given'}"
+        for name, faults in campaign.skipped
+    ]
 
 
 def _ending(estimate: Estimate) -> list[str]:

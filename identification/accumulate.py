@@ -121,10 +121,10 @@ def run_sums(
         when = jnp.concatenate([jnp.zeros(1), jnp.cumsum(record.inputs.duration)])
 
         def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
-            return jnp.clip(time / end * BLOCKS, 0, BLOCKS - 1).astype(int)
+            return jnp.clip(time / end * BLOCKS, 0.0, BLOCKS - 1.0).astype(int)
 
         sums = _known_sums(found.known, jacobian.known)
-        rows = jnp.sum(record.angle_weight > 0) * jnp.ones(2)
+        rows = jnp.full(2, jnp.sum(record.angle_weight > 0))
         frames = jnp.sum(record.frame_weight > 0, axis=0)
         encoders = _channel_sums(found.angle, jacobian.angle, rows, stretch(when), end)
         camera = _channel_sums(
@@ -160,7 +160,7 @@ def motor_sums(
 
         jacobian, found = jax.jacfwd(both, has_aux=True)(unknown)
         rows = jnp.arange(found.shape[0])
-        count = jnp.sum(record.weight > 0) * jnp.ones(2)
+        count = jnp.full(2, jnp.sum(record.weight > 0))
         block = rows * BLOCKS // found.shape[0]
         return _channel_sums(found, jacobian, count, block, jnp.sum(record.duration))
 
@@ -176,9 +176,9 @@ def _channel_sums(
 ) -> RunSums:
     """Sums over the channels of one stream."""
     misfit = channel_misfit(residual, count, duration)
-    pull = jnp.sum((misfit.weight * residual)[..., None] * jacobian, axis=1)
+    pull = jnp.sum((misfit.weight[None] * residual)[..., None] * jacobian, axis=1)
     scores = jax.ops.segment_sum(pull, block, num_segments=BLOCKS)
-    scaled = (jnp.sqrt(misfit.weight)[:, None] * jacobian).reshape(-1, jacobian.shape[-1])
+    scaled = (jnp.sqrt(misfit.weight)[None, :, None] * jacobian).reshape(-1, jacobian.shape[-1])
     return RunSums(
         cost=jnp.sum(misfit.cost),
         gradient=jnp.sum(scores, axis=0),

@@ -78,7 +78,7 @@ class Comparison:
     """Camera positions, NaN where nothing was seen or used [m, rad, m, m, m]."""
     simulated: Float[np.ndarray, "frames 5"]
     """Simulated positions at the camera's stamps [m, rad, m, m, m]."""
-    path: Float[np.ndarray, "rows 5"]
+    path: Float[np.ndarray, "instants 5"]
     """Simulated positions at the drive's rows [m, rad, m, m, m]; empty without cable."""
     channels: tuple[Channel, ...]
     """How each channel fits."""

@@ -398,7 +398,7 @@ def _judged(problem: _Problem, minimum: Minimum) -> dict[str, object]:
     found = covariance(minimum.normal.matrix, scores, seen)
     parameters, robot = [], problem.prior
     for index, (name, setting) in enumerate(unknowns.shared):
-        number = float(decode(name, point[index]))
+        number = decode(name, point[index])
         # The logarithm's standard error is relative.
         sigma = found.sigma[index] * (number if quantity(name).positive else 1.0)
         at_bound = bool(point[index] <= lower[index])

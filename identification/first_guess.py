@@ -53,7 +53,7 @@ def costs(
     def one(unknown: Float[Array, " n"], number: Int[Array, ""]) -> Float[Array, ""]:
         chosen = jax.tree.map(lambda leaf: leaf[number], records)
         found = run_residuals(robot, free, unknown, chosen)
-        rows = jnp.sum(chosen.angle_weight > 0) * jnp.ones(2)
+        rows = jnp.full(2, jnp.sum(chosen.angle_weight > 0))
         frames = jnp.sum(chosen.frame_weight > 0, axis=0)
         duration = jnp.sum(chosen.inputs.duration)
         angle = channel_misfit(found.angle, rows, duration)

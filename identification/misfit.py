@@ -49,7 +49,8 @@ def channel_misfit(
     Returns:
         Misfit and weight of each channel.
     """
-    measured = jnp.maximum(count, 1)
+    count = count.astype(residual.dtype)
+    measured = jnp.maximum(count, 1.0)
     chi_square = jnp.sum(jnp.square(residual), axis=0) / measured
     together = jnp.maximum(measured * (ERROR_TIME / duration), 1.0)
     excess = jnp.maximum(chi_square - NOISE, 0.0)

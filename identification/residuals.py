@@ -3,10 +3,12 @@
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from identification.record import Record
+from scdpr_jax.closed_loop import pulley_angles
 from scdpr_jax.dynamics import State, rest
 from scdpr_jax.fields import real, si
 from scdpr_jax.parameters import Robot
@@ -58,9 +60,7 @@ def predict(
         lambda i: i.knock, record.inputs, circumstances.knock * record.inputs.knock
     )
     states = simulate(robot, start, inputs)
-    moved = states.position[:, jnp.array([2, 4])] - start.position[jnp.array([2, 4])]
-    first = (moved[:, 0] + moved[:, 1]) / robot.drive.effective_radius
-    second = (moved[:, 0] - moved[:, 1]) / robot.drive.effective_radius
+    angles = jax.vmap(lambda state: pulley_angles(robot, state, start))(states)
 
     ends = jnp.cumsum(inputs.duration)
     instant = record.frame_time - circumstances.clock_offset
@@ -69,7 +69,7 @@ def predict(
     into = instant - (ends[interval] - duration)
     fraction = jnp.clip(into / jnp.where(duration > 0, duration, 1.0), 0.0, 1.0)
     frames = interpolate(states, inputs, interval=interval, fraction=fraction)
-    return states, jnp.stack([first, second], axis=-1), frames
+    return states, angles, frames
 
 
 def residuals(robot: Robot, circumstances: Circumstances, record: Record) -> Residuals:
@@ -106,5 +106,5 @@ def encoder_residuals(
         Residuals about the zero that fits best [1].
     """
     square = jnp.square(weight)[:, None]
-    zero = jnp.sum(square * difference, axis=0) / jnp.sum(square)
+    zero = jnp.sum(square * difference, axis=0, keepdims=True) / jnp.sum(square)
     return weight[:, None] * (difference - zero)

@@ -5,6 +5,7 @@ one that may be zero is itself, with zero as its bound.
 """
 
 import dataclasses
+import math
 from collections.abc import Sequence
 
 import jax.numpy as jnp
@@ -47,7 +48,7 @@ class Unknowns:
         """Number of unknowns."""
         return len(self.shared) + self.active.size
 
-    def of_run(self, run: int) -> Int[np.ndarray, " names+5"]:
+    def of_run(self, run: int) -> Int[np.ndarray, " own"]:
         """Where a run's quantities and circumstances stand in the vector.
 
         Args:
@@ -114,7 +115,7 @@ def layout(runs: Sequence[Run], free: tuple[str, ...]) -> Unknowns:
     )
 
 
-def encode(name: str, number: Float[np.ndarray, "..."] | float) -> Float[np.ndarray, "..."]:
+def encode(name: str, number: float) -> float:
     """A quantity's value as a fit holds it.
 
     Args:
@@ -124,10 +125,10 @@ def encode(name: str, number: Float[np.ndarray, "..."] | float) -> Float[np.ndar
     Returns:
         Its logarithm if it must be positive, else itself.
     """
-    return np.log(number) if quantity(name).positive else np.asarray(number, dtype=float)
+    return math.log(number) if quantity(name).positive else float(number)
 
 
-def decode(name: str, held: Float[np.ndarray, "..."] | float) -> Float[np.ndarray, "..."]:
+def decode(name: str, held: float) -> float:
     """A quantity's value from how a fit holds it, the inverse of `encode`.
 
     Args:
@@ -137,7 +138,7 @@ def decode(name: str, held: Float[np.ndarray, "..."] | float) -> Float[np.ndarra
     Returns:
         Its value [SI].
     """
-    return np.exp(held) if quantity(name).positive else np.asarray(held, dtype=float)
+    return math.exp(held) if quantity(name).positive else float(held)
 
 
 def apply(robot: Robot, free: tuple[str, ...], encoded: Float[Array, " names"]) -> Robot:

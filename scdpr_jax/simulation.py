@@ -65,7 +65,8 @@ def simulate_smooth(
 
     Raises:
         TypeError: If a carriage has exact `Coulomb` friction.
-        RuntimeError: If the solver gives up, also under `jit`.
+        RuntimeError: If the solver gives up; under `equinox.filter_jit` too, while plain
+            `jax.jit` wraps the same message in an error of its own.
     """
     _require_smooth(robot)
     knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
@@ -134,7 +135,8 @@ def simulate_closed_loop(
     Raises:
         TypeError: If a carriage has exact `Coulomb` friction.
         ValueError: If the delay is negative.
-        RuntimeError: If the solver gives up, also under `jit`.
+        RuntimeError: If the solver gives up; under `equinox.filter_jit` too, while plain
+            `jax.jit` wraps the same message in an error of its own.
     """
     _require_smooth(robot)
 

@@ -90,7 +90,8 @@ def smooth_peak_to_peak(
         Twice the mean of eighth order about the mean [the signal's unit].
     """
     total = jnp.sum(window)
-    distance = jnp.abs(signal - jnp.sum(window * signal) / total) * (window > 0)
+    away = jnp.abs(signal - jnp.sum(window * signal) / total)
+    distance = jnp.where(window > 0, away, 0.0)
     scale = jnp.max(distance)
     still = scale == 0
     # Scaled, so that the eighth power of a micrometre isn't lost.

@@ -10,8 +10,8 @@ from matplotlib.patches import Patch, Rectangle
 
 from experiments.coordinates import COORDINATES
 from experiments.number_text import plain
-from experiments.style import BLACK, BLUE, VERMILION, new_figure, styled
-from identification.comparison import Comparison
+from experiments.style import BLACK, VERMILION, new_figure, styled
+from identification.comparison import ENCODERS, Comparison
 
 _LIGHTEST, _DARKEST = 1.0, 1e4  # mean squares between which the colour changes
 _SHADES = LinearSegmentedColormap.from_list(
@@ -94,8 +94,11 @@ def fit_overview(comparisons: Sequence[Comparison]) -> Figure:
 def _ticks(figure, axes, comparisons: Sequence[Comparison]) -> None:
     axes.set_xlim(0, len(COORDINATES))
     axes.set_ylim(len(comparisons), 0)
-    symbols = [coordinate.symbol for coordinate in COORDINATES.values()]
-    axes.set_xticks(np.arange(len(symbols)) + 0.5, symbols, fontsize=11)
+    symbols = [
+        f"{coordinate.symbol}\n{'encoder' if name in ENCODERS else 'camera'}"
+        for name, coordinate in COORDINATES.items()
+    ]
+    axes.set_xticks(np.arange(len(symbols)) + 0.5, symbols, fontsize=10)
     names = [
         f"{comparison.name}  (not fitted)" if comparison.held_out else comparison.name
         for comparison in comparisons
@@ -117,4 +120,3 @@ def _ticks(figure, axes, comparisons: Sequence[Comparison]) -> None:
         ),
     ]
     figure.legend(handles=handles, loc="outside upper right", ncols=2)
-    axes.set_xlabel("camera: first five columns; encoders: last two", color=BLUE, fontsize=9)

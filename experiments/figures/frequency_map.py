@@ -13,7 +13,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from experiments.number_text import rounded
+from experiments.number_text import plain, rounded
 from experiments.style import (
     BLACK,
     BLUE,
@@ -113,9 +113,10 @@ def _knock(axes: Axes, frequencies: FrequencyMap, row: int, shade: ScalarMappabl
         mec=BLACK,
         mew=1.0 if noise else 2.0,
     )
-    text = f"{rounded(value, sigma)} ± {rounded(sigma, sigma)} Hz"
+    # One digit of the error here, both in the table: maps have many poses.
+    text = f"{rounded(value, 10 * sigma)} Hz\n± {plain(sigma, 1)}"
     axes.annotate(
-        text if noise else f"{text}\nstill sliding",
+        text if noise else f"{text}, sliding",
         (x, y),
         xytext=(0, 11),
         textcoords="offset points",

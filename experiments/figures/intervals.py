@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from experiments.number_text import percent
+from experiments.number_text import percent, plain
 from experiments.style import BLACK, BLUE, GREY, VERMILION, label, new_figure, styled
 from identification.uncertainty import UNSEEN, WEAK, ParameterEstimate
 
@@ -100,7 +100,7 @@ def intervals(
             fontsize=9,
         )
         if row.error:
-            axes.plot(100 * abs(row.error), place, "X", color=VERMILION, ms=8, mec="white")
+            axes.plot(100 * abs(row.error), place, "X", color=VERMILION, ms=8, mew=0, zorder=3)
     for limit, text in ((WEAK, "weak"), (UNSEEN, "unidentifiable")):
         # A standard error's limit, drawn at the two of them that half an interval is about.
         axes.axvline(200 * limit, color=GREY, ls="--", lw=0.9)
@@ -114,7 +114,7 @@ def intervals(
             color=GREY,
         )
     if any(row.error for row in rows):
-        axes.plot([], [], "X", color=VERMILION, ms=8, ls="", label="distance from the truth")
+        axes.plot([], [], "X", color=VERMILION, ms=8, mew=0, ls="", label="distance from the truth")
         axes.plot([], [], color=BLUE, lw=7, label="half of the 95 % interval")
         figure.legend(loc="outside upper right", ncols=2)
     axes.set_xscale("log")
@@ -124,6 +124,6 @@ def intervals(
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
     axes.set_xlabel(label("half of the 95 % interval, relative to the value", "%"))
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.xaxis.set_major_formatter(lambda value, _: plain(value, 1))
     axes.xaxis.set_minor_locator(NullLocator())
     return figure

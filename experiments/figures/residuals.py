@@ -6,9 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.coordinates import CAMERA, ENCODERS
-from experiments.style import BLACK, GREY, label, legend_above, new_figure, styled, thinned
+from experiments.style import BLUE, GREY, ORANGE, label, legend_above, new_figure, styled
 from identification.comparison import Comparison
 
+_BINS = 150
 _LEAST = 4.0  # standard deviations: noise alone fills the axis up to here
 
 
@@ -51,7 +52,7 @@ def residuals(comparison: Comparison) -> Figure:
     found = residuals_in_sigma(comparison)
     camera = [coordinate for coordinate in CAMERA if coordinate.name in found]
     figure = new_figure(height=2.4)
-    grid = np.atleast_1d(figure.subplots(1, 2 if camera else 1))
+    grid = np.atleast_1d(figure.subplots(1, 2 if camera else 1, sharex=True))
     if camera:
         for coordinate in camera:
             grid[0].plot(
@@ -65,20 +66,38 @@ def residuals(comparison: Comparison) -> Figure:
                 label=coordinate.symbol,
             )
         _finish(grid[0], "camera residual")
-    for width, coordinate in zip((1.6, 0.9), ENCODERS, strict=True):
+    for coordinate, color in zip(ENCODERS, (BLUE, ORANGE), strict=True):
         if coordinate.name in found:
-            grid[-1].plot(
-                *thinned(*found[coordinate.name]),
-                lw=width,
-                color=coordinate.color if width > 1 else BLACK,
-                label=coordinate.symbol,
-            )
+            _band(grid[-1], *found[coordinate.name], color=color, name=coordinate.symbol)
     _finish(grid[-1], "encoder residual")
     return figure
 
 
+def _band(
+    axes: Axes,
+    time: Float[np.ndarray, " n"],
+    values: Float[np.ndarray, " n"],
+    *,
+    color: str,
+    name: str,
+) -> None:
+    """A dense series as the band of its extremes and the line of its means."""
+    bins = np.array_split(np.arange(len(time)), min(_BINS, len(time)))
+    low, high, mean, at = (
+        np.array([take(part[index]) for index in bins])
+        for take, part in (
+            (np.min, values),
+            (np.max, values),
+            (np.mean, values),
+            (np.mean, time),
+        )
+    )
+    axes.fill_between(at, low, high, color=color, alpha=0.3, lw=0)
+    axes.plot(at, mean, color=color, lw=1.3, label=f"{name} mean and extremes")
+
+
 def _finish(axes: Axes, name: str) -> None:
-    axes.axhspan(-2, 2, color="#ececec", zorder=0, label="±2 σ of the sensor")
+    axes.axhspan(-2, 2, color="#ececec", zorder=0, label="±2 σ")
     axes.axhline(0, color=GREY, lw=0.6)
     axes.set_xlabel(label("time", "s"))
     axes.set_ylabel(label(name, "σ"))

@@ -76,8 +76,8 @@ def cable_loop(
         round_pulley = np.stack(
             [corner + side * radius * np.cos(turn), radius * np.sin(turn)], axis=1
         )
-        ahead = np.array([[inner[0], radius]])
-        back = np.array([[outer[0], -radius]])
+        ahead = np.array([inner, [inner[0], radius]])
+        back = np.array([[outer[0], -radius], outer])
         paths["guide"].append(np.concatenate([ahead, round_pulley, back]))
     return paths
 
@@ -87,12 +87,12 @@ def _drawn_radius(robot: Robot) -> float:
 
 
 def draw_robot(axes: Axes, robot: Robot, position: Float[np.ndarray, "5"]) -> None:
-    """Draw the robot at a pose into axes in millimetres.
+    r"""Draw the robot at a pose into axes in millimetres.
 
     Args:
         axes: The axes.
         robot: The robot.
-        position: Coordinates $[x_e, \\delta_e, q_3, q_4, y_e]$ [m, rad, m, m, m].
+        position: Coordinates $[x_e, \delta_e, q_3, q_4, y_e]$ [m, rad, m, m, m].
     """
     x, tilt, lower, upper, y = (float(number) for number in position)
     width, height = 1e3 * float(robot.frame.width), 1e3 * float(robot.frame.height)

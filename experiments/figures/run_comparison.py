@@ -4,15 +4,15 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from experiments.coordinates import CAMERA, ENCODERS, Coordinate
+from experiments.coordinates import CAMERA, COORDINATES, ENCODERS
 from experiments.style import (
-    BLACK,
     BLUE,
     GREY,
     ORANGE,
+    SKY,
     VERMILION,
-    figure_legend,
     label,
     legend_above,
     new_figure,
@@ -22,36 +22,38 @@ from experiments.style import (
 from identification.comparison import Comparison
 
 _PANELS = ("x_e", "q_3", "y_e", "q_4", "delta_e")
-_PER_CAMERA_SIGMA = 6.0  # times the noise: less than this is shown on an axis as wide
+_LEAST_NOISE = 6.0  # standard deviations to either side: noise alone doesn't fill an axis
+_DOTS = {"marker": "o", "ms": 3.4, "mew": 0.0, "alpha": 0.85}
+_LEAST_VOLTAGE = 0.5  # V to either side
 
 
 @styled
 def run_comparison(comparison: Comparison) -> Figure:
-    """Measurements of a run over its simulation: camera, encoders and commands.
+    """Measurements of a run under its simulation: camera, commands and encoders.
 
     Args:
         comparison: The run.
 
     Returns:
-        The figure; without a camera it has the encoders and the commands only.
+        The figure; without a camera it has the commands and the encoders only.
     """
     seen = [name for name in _PANELS if _is_seen(comparison, name)]
-    panels = len(seen) + 2 + (len(seen) % 2)
-    rows = (panels + 1) // 2
-    figure = new_figure(height=0.5 + 1.75 * rows)
-    grid = np.atleast_2d(figure.subplots(rows, 2, sharex=True)).ravel()
+    count = len(seen) + 1 + len(ENCODERS)
+    columns = 3 if count == 3 else 2
+    rows = -(-count // columns)
+    figure = new_figure(height=0.6 + 1.7 * rows)
+    grid = np.atleast_2d(figure.subplots(rows, columns, sharex=True)).ravel()
     for axes, name in zip(grid, seen, strict=False):
         _camera_panel(axes, comparison, name)
-    _encoder_panel(grid[len(seen)], comparison)
-    _command_panel(grid[len(seen) + 1], comparison)
-    for axes in grid[len(seen) + 2 :]:
+    _command_panel(grid[len(seen)], comparison)
+    for index, axes in enumerate(grid[len(seen) + 1 :][: len(ENCODERS)]):
+        _encoder_panel(axes, comparison, index)
+    for axes in grid[count:]:
         axes.set_axis_off()
-    for axes in grid[max(len(seen), 0) :][:2]:
+    for axes in grid[max(count - columns, 0) : count]:
         axes.xaxis.set_tick_params(labelbottom=True)
-    for axes in grid[-2:]:
         axes.set_xlabel(label("time", "s"))
-    if seen:
-        figure_legend(figure, grid[0])
+    _legend(figure, seen)
     if comparison.held_out:
         figure.suptitle(
             "NOT FITTED: this run is predicted from the others",
@@ -64,6 +66,16 @@ def run_comparison(comparison: Comparison) -> Figure:
     return figure
 
 
+def _legend(figure: Figure, seen: list[str]) -> None:
+    handles = [
+        Line2D([], [], color=SKY, lw=4, label="encoder"),
+        Line2D([], [], color=VERMILION, lw=1.3, label="simulated"),
+    ]
+    if seen:
+        handles.insert(0, Line2D([], [], ls="", color=BLUE, **_DOTS, label="camera"))
+    figure.legend(handles=handles, loc="outside upper right", ncols=3)
+
+
 def _is_seen(comparison: Comparison, name: str) -> bool:
     return bool(np.any(np.isfinite(_column(comparison.measured, name))))
 
@@ -73,31 +85,39 @@ def _column(positions: Float[np.ndarray, "rows 5"], name: str) -> Float[np.ndarr
     return coordinate.factor * positions[:, index]
 
 
-def _coordinate(name: str) -> Coordinate:
-    return next(coordinate for coordinate in CAMERA if coordinate.name == name)
-
-
 def _camera_panel(axes: Axes, comparison: Comparison, name: str) -> None:
-    coordinate = _coordinate(name)
+    coordinate = COORDINATES[name]
     measured = _column(comparison.measured, name)
+    axes.plot(comparison.frame_time, measured, ls="", color=BLUE, **_DOTS)
     if comparison.path.size:
         path = _column(comparison.path, name)
-        axes.plot(*thinned(comparison.time, path), color=VERMILION, lw=1.3, label="simulated")
-    axes.plot(
-        comparison.frame_time,
-        measured,
-        ls="",
-        marker="o",
-        ms=2.6,
-        color=BLUE,
-        alpha=0.75,
-        label="camera",
-        zorder=3,
-    )
-    axes.set_ylabel(label(coordinate.symbol, coordinate.unit))
-    axes.set_title(coordinate.meaning, fontsize=9, weight="normal", color=GREY)
+        axes.plot(*thinned(comparison.time, path), color=VERMILION, lw=1.1)
     channel = next(c for c in comparison.channels if c.name == name)
-    _widen(axes, _PER_CAMERA_SIGMA * channel.sigma * coordinate.factor)
+    _name(axes, coordinate.meaning, label(coordinate.symbol, coordinate.unit))
+    _widen(axes, _LEAST_NOISE * channel.sigma * coordinate.factor)
+
+
+def _encoder_panel(axes: Axes, comparison: Comparison, index: int) -> None:
+    coordinate = ENCODERS[index]
+    measured = coordinate.factor * comparison.measured_angle[:, index]
+    simulated = coordinate.factor * comparison.simulated_angle[:, index]
+    axes.plot(*thinned(comparison.time, measured), color=SKY, lw=4)
+    axes.plot(*thinned(comparison.time, simulated), color=VERMILION, lw=1.1)
+    _name(axes, coordinate.meaning, label(coordinate.symbol, coordinate.unit))
+
+
+def _command_panel(axes: Axes, comparison: Comparison) -> None:
+    for index, (color, width) in enumerate(((BLUE, 2.6), (ORANGE, 1.2))):
+        time, voltage = thinned(comparison.time, comparison.voltage[:, index])
+        axes.step(time, voltage, where="post", color=color, lw=width, label=f"V{'₁₂'[index]}")
+    _name(axes, "commands", label("V₁, V₂", "V"))
+    _widen(axes, _LEAST_VOLTAGE)
+    legend_above(axes)
+
+
+def _name(axes: Axes, meaning: str, name: str) -> None:
+    axes.set_title(meaning, fontsize=9, weight="normal", color=GREY)
+    axes.set_ylabel(name)
 
 
 def _widen(axes: Axes, least: float) -> None:
@@ -106,38 +126,3 @@ def _widen(axes: Axes, least: float) -> None:
     if high - low < 2 * least:
         middle = (low + high) / 2
         axes.set_ylim(middle - least, middle + least)
-
-
-def _encoder_panel(axes: Axes, comparison: Comparison) -> None:
-    shades = ((BLUE, "-"), (ORANGE, "-"))
-    for index, (coordinate, (color, style)) in enumerate(zip(ENCODERS, shades, strict=True)):
-        measured = coordinate.factor * comparison.measured_angle[:, index]
-        simulated = coordinate.factor * comparison.simulated_angle[:, index]
-        axes.plot(
-            *thinned(comparison.time, measured),
-            color=color,
-            ls=style,
-            lw=3.5,
-            alpha=0.55,
-            label=f"{coordinate.symbol} encoder",
-        )
-        axes.plot(
-            *thinned(comparison.time, simulated),
-            color=BLACK,
-            ls=(0, (4, 2)) if index else (0, (1, 1.5)),
-            lw=1.0,
-            label=f"{coordinate.symbol} simulated",
-        )
-    axes.set_ylabel(label("α₁, α₂", "°"))
-    legend_above(axes)
-
-
-def _command_panel(axes: Axes, comparison: Comparison) -> None:
-    for index, (color, width) in enumerate(((BLUE, 2.6), (ORANGE, 1.2))):
-        time, voltage = thinned(comparison.time, comparison.voltage[:, index])
-        axes.step(
-            time, voltage, where="post", color=color, lw=width, label=f"V{'₁₂'[index]} command"
-        )
-    axes.set_ylabel(label("command", "V"))
-    _widen(axes, 0.5)
-    legend_above(axes)

@@ -203,12 +203,14 @@ def test_pulleys_follow_the_lower_carriage_and_the_height():
 
 
 def test_loop_around_a_smooth_integrator_is_differentiable_in_both_modes():
-    def final(gain, robot_scale, reference):
+    # Arguments of some 1 that change little, for the checker's difference step.
+    def final(gain, robot_scale, shift):
+        reference = REFERENCE + 1e-2 * shift
         robot = replace(ROBOT, {"effective_radius": 0.073 * robot_scale})
 
         def glide(state, held):
             pushed = jnp.stack([held.voltage.sum(), held.voltage[0] - held.voltage[1]])
-            velocity = state.velocity.at[jnp.array([2, 4])].add(0.05 * jnp.tanh(pushed))
+            velocity = state.velocity.at[jnp.array([2, 4])].add(0.05 * jnp.tanh(0.1 * pushed))
             return State(state.position + held.duration * velocity, velocity)
 
         return sampled_loop(
@@ -222,7 +224,7 @@ def test_loop_around_a_smooth_integrator_is_differentiable_in_both_modes():
             delay_samples=1,
         ).states.position
 
-    arguments = (jnp.asarray(2.0), jnp.asarray(1.0), REFERENCE)
+    arguments = (jnp.asarray(2.0), jnp.asarray(1.0), jnp.zeros_like(REFERENCE))
     check_grads(jax.jit(final), arguments, order=1, modes=("fwd", "rev"))
 
 
@@ -251,6 +253,7 @@ def gradient():
     return found, jnp.stack(differences)
 
 
+@pytest.mark.slow
 def test_reverse_derivatives_hold_through_stick_and_slip_under_control(gradient):
     found, differences = gradient
     # Roundings of some 10 ulp of 1 m over 2e-6. Above a relative step of 1e-5 an event moves

@@ -1,0 +1,197 @@
+"""The results in a terminal: aligned tables and the summary's sentences."""
+
+from collections.abc import Mapping, Sequence
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from experiments.drive_report import axis_rows, axis_sentences
+from experiments.number_text import rounded
+from experiments.parameter_table import Row, inside, parameter_row
+from experiments.tuning_section import Table as PlainTable
+from experiments.tuning_section import tuning_sentences, tuning_tables
+from experiments.verdict import Words, estimated, words
+from identification.campaign.types import Campaign
+from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
+from identification.estimate import Estimate
+from identification.frequency_map import FrequencyMap
+from tuning.types import Tuning
+
+_STYLES = {
+    "identified": "green",
+    "weak": "yellow",
+    "unidentifiable": "red",
+    "at bound": "red",
+    "yes": "green",
+    "no": "red",
+}
+
+
+def covers(estimate: Estimate, truth: Mapping[str, float]) -> bool:
+    """Whether every estimate's 99.7 % interval covers the truth.
+
+    Args:
+        estimate: The estimate.
+        truth: True values by name [SI]; what isn't estimated isn't looked at.
+
+    Returns:
+        Whether all do.
+    """
+    known = [p for p in estimated(estimate) if p.name in truth]
+    return all(inside(parameter, truth[parameter.name]) for parameter in known)
+
+
+def show(
+    console: Console,
+    estimate: Estimate,
+    *,
+    campaign: Campaign | None = None,
+    frequencies: FrequencyMap | None = None,
+    truth: Mapping[str, float] | None = None,
+    tuning: Tuning | None = None,
+) -> None:
+    """Print what a campaign says about a robot.
+
+    Args:
+        console: Where to print it.
+        estimate: The estimate.
+        campaign: The campaign, for its clocks and skipped runs; None without.
+        frequencies: Natural frequencies, None without.
+        truth: True values by name [SI], printed beside the estimates.
+        tuning: Gains and shapers, None without.
+    """
+    rows = [
+        parameter_row(parameter, truth=dict(truth or {})) for parameter in estimated(estimate)
+    ]
+    console.print(_parameters(rows, with_truth=bool(truth)))
+    said = words(campaign, estimate, frequencies=frequencies)
+    _print_words(console, said, parameters=len(rows))
+    if tuning is not None:
+        show_tuning(console, tuning)
+
+
+def show_tuning(console: Console, tuning: Tuning) -> None:
+    """Print gains, shapers and what they are predicted to do.
+
+    Args:
+        console: Where to print them.
+        tuning: The tuning.
+    """
+    for table in tuning_tables(tuning):
+        console.print(_table(table))
+    _print_lines(console, tuning_sentences(tuning))
+
+
+def show_frequencies(console: Console, frequencies: FrequencyMap) -> None:
+    """Print the natural frequencies that were found.
+
+    Args:
+        console: Where to print them.
+        frequencies: The map.
+    """
+    header = ("run", "x [mm]", "y [mm]", "T [N]", "f [Hz]", "± σ", "damping [1]", "± σ")
+    rows = []
+    for row, run in enumerate(frequencies.runs):
+        sigma = float(frequencies.frequency_sigma[row])
+        damping_sigma = float(frequencies.damping_ratio_sigma[row])
+        rows.append(
+            (
+                run,
+                f"{1e3 * float(frequencies.x[row]):.1f}",
+                f"{1e3 * float(frequencies.y[row]):.1f}",
+                f"{float(frequencies.pretension[row]):g}",
+                rounded(float(frequencies.frequency[row]), sigma),
+                rounded(sigma, sigma),
+                rounded(float(frequencies.damping_ratio[row]), damping_sigma),
+                rounded(damping_sigma, damping_sigma),
+            )
+        )
+    console.print(_table(PlainTable("Natural frequencies", header, tuple(rows))))
+    sliding = [
+        run
+        for run, noise in zip(frequencies.runs, frequencies.residuals_are_noise, strict=True)
+        if not noise
+    ]
+    lines = [f"{name} gives no frequency: {why}" for name, why in frequencies.unresolved]
+    if sliding:
+        lines.append(
+            f"More than noise is left of {', '.join(sliding)}: the carriages were still "
+            "sliding, and the errors are widened for it."
+        )
+    _print_lines(console, lines)
+
+
+def show_axis(
+    console: Console, estimate: DriveAxisEstimate, *, position_unit: str = "m"
+) -> None:
+    """Print an axis's parameters.
+
+    Args:
+        console: Where to print them.
+        estimate: The estimate.
+        position_unit: SI unit of its log's positions, "m" or "rad".
+    """
+    console.print(
+        _parameters(axis_rows(estimate, position_unit=position_unit), with_truth=False)
+    )
+    # The parameters are in the table already.
+    _print_lines(
+        console, axis_sentences(estimate, position_unit=position_unit)[len(PARAMETER_NAMES) :]
+    )
+
+
+def _parameters(rows: Sequence[Row], *, with_truth: bool) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("quantity", "setting"):
+        table.add_column(name)
+    for name in ("value", "95 % from", "to"):
+        table.add_column(name, justify="right")
+    table.add_column("unit")
+    table.add_column("±", justify="right")
+    table.add_column("status")
+    if with_truth:
+        for name in ("truth", "error"):
+            table.add_column(name, justify="right")
+        table.add_column("inside 99.7 %")
+    for row in rows:
+        cells = [Text(row.name), Text(row.setting)]
+        cells += [Text(text) for text in (row.value, row.low, row.high, row.unit, row.relative)]
+        cells.append(Text(row.status, style=_STYLES.get(row.status, "")))
+        if with_truth:
+            cells += [Text(row.truth), Text(row.error)]
+            cells.append(Text(row.covered, style=_STYLES.get(row.covered, "")))
+        table.add_row(*cells)
+    return table
+
+
+def _table(plain_table: PlainTable) -> Table:
+    table = Table(
+        title=plain_table.title,
+        title_justify="left",
+        box=None,
+        pad_edge=False,
+        header_style="bold",
+    )
+    for index, name in enumerate(plain_table.header):
+        table.add_column(Text(name), justify="right" if index else "left")
+    for row in plain_table.rows:
+        table.add_row(*(Text(cell) for cell in row))
+    return table
+
+
+def _print_words(console: Console, said: Words, *, parameters: int) -> None:
+    # The parameters are in the table already.
+    for title, lines in (
+        ("", said.found[parameters:]),
+        ("How far to trust it", said.sure),
+        ("What to do next", said.next),
+    ):
+        if title and lines:
+            console.print(Text(title, style="bold"))
+        _print_lines(console, lines)
+
+
+def _print_lines(console: Console, lines: Sequence[str]) -> None:
+    for line in lines:
+        console.print(Text(f"- {line}"), soft_wrap=False)

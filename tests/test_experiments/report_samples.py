@@ -1,0 +1,257 @@
+"""Small made-up results for the reports' tests: no fit, numbers known beforehand."""
+
+import numpy as np
+
+from identification.campaign.faults import Fault
+from identification.campaign.types import CameraStream, Campaign, DriveStream, Knock, Run
+from identification.comparison import Channel, Comparison
+from identification.estimate import Estimate, Fit
+from identification.frequency_map import FrequencyMap
+from identification.residuals import Circumstances
+from identification.uncertainty import ParameterEstimate
+from scdpr_jax.controller import PD
+from scdpr_jax.prototype import consistent
+from scdpr_jax.shaper import Shaper
+from tuning.margins import sampled_margins
+from tuning.plant import published_plant
+from tuning.types import (
+    Metrics,
+    Prediction,
+    Region,
+    RegionalShaper,
+    ResidualVibration,
+    TrackingRun,
+    Tuning,
+)
+
+ENCODER_SIGMA, CAMERA_SIGMA, ANGLE_SIGMA = 1e-4, 2e-4, 2e-3
+TRUTH = {"friction_coefficient": 0.01301, "effective_pretension": 85.5}
+FREQUENCY, DAMPING = 3.2, 0.01  # Hz, 1: of the made-up knock
+
+
+def parameter(name, value, sigma, *, unit, status="identified", setting=None):
+    half = 2 * sigma
+    return ParameterEstimate(
+        name=name,
+        setting=setting,
+        value=value,
+        unit=unit,
+        sigma=sigma,
+        interval95=(value - half, value + half),
+        status=status,
+    )
+
+
+def estimated_parameters():
+    return (
+        parameter("friction_coefficient", 0.013, 1e-5, unit="1"),
+        parameter("drive_inertia", 0.0131, 2e-3, unit="kg m^2", status="weak"),
+        parameter("effective_pretension", 85.0, 0.05, unit="N", setting="350 N"),
+    )
+
+
+def comparison(name, *, kind="manoeuvre", held_out=False, camera=True, off=0.0, seed=0):
+    """A run whose residuals are noise, and an offset [m] in x_e."""
+    random = np.random.default_rng(seed)
+    time = np.arange(400) * 5e-3
+    frames = np.arange(60) / 30 if camera else np.zeros(0)
+    angle = np.stack([3 * np.sin(time), 2 * np.sin(time)], axis=1)
+    measured_angle = angle + random.normal(0, ENCODER_SIGMA, angle.shape)
+
+    def path(t):
+        return np.stack(
+            [
+                0.9 + 0.4 * np.sin(t),
+                0.02 * np.sin(9 * t),
+                0.9 + 0.4 * np.sin(t),
+                0.88 + 0.4 * np.sin(t),
+                0.5 + 0.1 * np.sin(t),
+            ],
+            axis=1,
+        )
+
+    sigma = np.array([CAMERA_SIGMA, ANGLE_SIGMA, CAMERA_SIGMA, CAMERA_SIGMA, CAMERA_SIGMA])
+    simulated = path(frames)
+    measured = simulated + random.normal(0, 1, simulated.shape) * sigma
+    measured[:, 0] += off
+    channels = [
+        channel(column, "rad", ENCODER_SIGMA, difference, time)
+        for column, difference in zip(
+            ("alpha_1", "alpha_2"), (measured_angle - angle).T, strict=True
+        )
+    ]
+    if camera:
+        names = ("x_e", "delta_e", "q_3", "q_4", "y_e")
+        channels += [
+            channel(
+                names[i],
+                "m" if i != 1 else "rad",
+                sigma[i],
+                measured[:, i] - simulated[:, i],
+                frames,
+            )
+            for i in range(5)
+        ]
+    return Comparison(
+        name=name,
+        kind=kind,
+        held_out=held_out,
+        time=time,
+        voltage=np.stack([np.sign(np.sin(3 * time)), np.zeros_like(time)], axis=1),
+        measured_angle=measured_angle,
+        simulated_angle=angle,
+        frame_time=frames,
+        measured=measured,
+        simulated=simulated,
+        path=path(time) if camera else np.zeros((0, 5)),
+        channels=tuple(channels),
+    )
+
+
+def channel(name, unit, sigma, difference, time):
+    return Channel(
+        name=name,
+        unit=unit,
+        rms=float(np.sqrt(np.mean(difference**2))),
+        sigma=float(sigma),
+        worst_time=float(time[np.argmax(np.abs(difference))]),
+        count=difference.size,
+    )
+
+
+def campaign(*, name="a rig", clock=0.0, skipped=()):
+    def run(number, kind, *, knock=None, with_camera=True):
+        time = np.arange(400) * 5e-3
+        frames = np.arange(120) / 30
+        omega = 2 * np.pi * FREQUENCY
+        ringing = np.where(
+            frames > 0.4,
+            0.01 * np.exp(-DAMPING * omega * frames) * np.cos(omega * frames),
+            0.0,
+        )
+        noise = np.random.default_rng(number).normal(0, CAMERA_SIGMA, (120, 5))
+        position = np.tile([0.55, 0.0, 0.55, 0.55, 0.55], (120, 1)) + noise
+        position[:, 0] += ringing
+        return Run(
+            name=f"{number:04d}-{kind.replace('_', '-')}",
+            kind=kind,
+            pretension=350.0,
+            pretension_label="350 N",
+            drive=DriveStream(time=time, voltage=np.zeros((400, 2)), angle=np.zeros((400, 2))),
+            camera=CameraStream(time=frames, position=position) if with_camera else None,
+            notes="tried <b>twice</b>" if number == 1 else "",
+            knock=knock,
+            clock_offset=clock,
+        )
+
+    return Campaign(
+        name=name,
+        runs=(
+            run(1, "manoeuvre"),
+            run(2, "manoeuvre"),
+            run(3, "pseudo_impulse", knock=Knock(start=0.3, duration=0.03)),
+            run(4, "motor_step", with_camera=False),
+        ),
+        skipped=skipped,
+    )
+
+
+def skipped_run():
+    fault = Fault(what="voltage is missing", file="0009-x/drive.csv", remedy="Log it.")
+    return (("0009-x", (fault,)),)
+
+
+def estimate(*, off=0.0, held_out=True, parameters=None):
+    parameters = estimated_parameters() if parameters is None else parameters
+    fixed = parameter("frame_width", 2.224, 0.0, unit="m", status="fixed")
+    return Estimate(
+        robot=consistent(),
+        parameters=(*parameters, fixed),
+        correlation=np.array([[1.0, 0.1, -0.97], [0.1, 1.0, 0.2], [-0.97, 0.2, 1.0]]),
+        circumstances={"0001-manoeuvre": Circumstances(0.9, 0.9, 0.5, 0.0, 0.0123)},
+        comparisons=(
+            comparison("0001-manoeuvre", off=off),
+            comparison("0002-manoeuvre", held_out=held_out, seed=1),
+            comparison("0003-pseudo-impulse", kind="pseudo_impulse", seed=2),
+            comparison("0004-motor-step", kind="motor_step", camera=False, seed=3),
+        ),
+        fit=Fit(
+            starts=(1.0, 1.1),
+            iterations=7,
+            ended="converged",
+            misfit=0.0,
+            measurements=4321,
+        ),
+    )
+
+
+def frequencies():
+    return FrequencyMap(
+        x=np.array([0.55]),
+        y=np.array([0.55]),
+        pretension=np.array([350.0]),
+        frequency=np.array([FREQUENCY]),
+        frequency_sigma=np.array([0.004]),
+        damping_ratio=np.array([DAMPING]),
+        damping_ratio_sigma=np.array([0.001]),
+        fft_frequency=np.array([3.19]),
+        residuals_are_noise=np.array([True]),
+        runs=("0003-pseudo-impulse",),
+    )
+
+
+def tracking_run(*, swing):
+    """A second of motion and a second of rest, in which x_e swings by so much [m]."""
+    time = np.arange(200) * 0.01
+    along = np.clip(time, 0, 1)
+    reference = np.stack([0.3 + along, np.full(200, 0.5)], axis=1)
+    position = reference + np.stack([swing * np.cos(20 * time), np.zeros(200)], axis=1)
+    return TrackingRun(
+        time=time,
+        reference=reference,
+        commanded=reference,
+        position=position,
+        voltage=np.zeros((199, 2)),
+    )
+
+
+def metrics(residual):
+    return Metrics(
+        residual_vibration=residual,
+        resting_error=1e-3,
+        largest_error=2e-3,
+        rms_error=1e-3,
+        largest_original_error=0.051,
+        largest_voltage=7.5,
+        saturation=0.0,
+    )
+
+
+def tuning():
+    controller = PD(36.0, 0.7, 1e-3)
+    shaper = Shaper([0.0, 0.157], [0.51, 0.49])
+    return Tuning(
+        controller=controller,
+        margins=sampled_margins(published_plant(), controller),
+        shapers=(
+            RegionalShaper(
+                region=Region(x=(0.0, 2.2), y=(0.0, 1.1), pretension=(350.0, 350.0)),
+                shaper=shaper,
+                frequency=FREQUENCY,
+                band=(3.1, 3.3),
+                damping_ratio=DAMPING,
+                measured=True,
+                residual_vibration=ResidualVibration(nominal=0.012, worst=0.057),
+            ),
+        ),
+        predicted=(
+            Prediction(
+                name="horizontal",
+                before=metrics(0.0213),
+                after=metrics(0.00137),
+                run_before=tracking_run(swing=0.02),
+                run_after=tracking_run(swing=0.001),
+            ),
+        ),
+        notes=("A note of the <tuning>.",),
+    )

@@ -1,0 +1,76 @@
+import numpy as np
+import pytest
+
+from identification.uncertainty import covariance, half_width, judge
+
+RUNS, BLOCKS, SAMPLES = 12, 40, 10
+
+
+def regression(noise, design):
+    """A line fitted to every run at once: matrix, scores and the estimate."""
+    matrix = np.einsum("rbsn,rbsm->nm", design, design)
+    estimate = np.linalg.solve(matrix, np.einsum("rbsn,rbs->n", design, noise))
+    residual = noise - design @ estimate
+    return matrix, np.einsum("rbsn,rbs->rbn", design, residual), estimate
+
+
+def coverage(make_noise, draws=200):
+    """How often the 95 % interval of both coefficients holds the truth, 0."""
+    random = np.random.default_rng(5)
+    inside = 0
+    for _ in range(draws):
+        design = np.stack(
+            [np.ones((RUNS, BLOCKS, SAMPLES)), random.normal(size=(RUNS, BLOCKS, SAMPLES))], -1
+        )
+        matrix, scores, estimate = regression(make_noise(random), design)
+        found = covariance(matrix, scores, np.array([True, True]))
+        half = np.array([half_width(s, 0.95, found.degrees_of_freedom) for s in found.sigma])
+        inside += np.count_nonzero(np.abs(estimate) <= half)
+    return inside / (2 * draws)
+
+
+def white(random):
+    return random.normal(size=(RUNS, BLOCKS, SAMPLES))
+
+
+def standing_still(random):
+    """Errors that stand for a whole run, as an encoder's rounding at rest does."""
+    return white(random) + random.normal(size=(RUNS, 1, 1))
+
+
+@pytest.mark.parametrize("noise", [white, standing_still])
+def test_intervals_cover_for_white_and_for_standing_errors(noise):
+    # 400 intervals: three standard deviations of a binomial below 95 % are 91.7 %.
+    assert coverage(noise) >= 0.917
+
+
+def test_white_noise_intervals_would_not_cover_standing_errors():
+    random = np.random.default_rng(5)
+    outside = 0
+    for _ in range(100):
+        design = np.ones((RUNS, BLOCKS, SAMPLES, 1))
+        matrix, _, estimate = regression(standing_still(random), design)
+        outside += abs(estimate[0]) > 1.96 / np.sqrt(matrix[0, 0])
+    assert outside > 50
+
+
+def test_what_no_run_shows_has_no_standard_error():
+    matrix = np.array([[4.0, 0.0], [0.0, 0.0]])
+    found = covariance(matrix, np.zeros((3, BLOCKS, 2)), np.array([True, False]))
+    assert found.sigma[0] == 0.5
+    assert np.isinf(found.sigma[1])
+    assert half_width(found.sigma[1], 0.95, 3.0) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("sigma", "at_bound", "status"),
+    [
+        (0.01, False, "identified"),
+        (0.2, False, "weak"),
+        (1.5, False, "unidentifiable"),
+        (0.01, True, "at_bound"),
+        (np.inf, False, "unidentifiable"),
+    ],
+)
+def test_a_value_is_judged_by_its_relative_error(sigma, at_bound, status):
+    assert judge(1.0, sigma, at_bound=at_bound) == status

@@ -1,0 +1,57 @@
+import json
+
+import jax
+import pytest
+
+from scdpr_jax.controller import published_pd
+from tuning.catalogue import ei
+from tuning.document import read_tuning, tuning_document, write_tuning
+from tuning.margins import sampled_margins
+from tuning.plant import published_plant
+from tuning.types import Metrics, Prediction, Region, RegionalShaper, ResidualVibration, Tuning
+
+METRICS = Metrics(5e-3, 2e-3, 54e-3, 15e-3, 54e-3, 8.9, 0.0)
+
+
+@pytest.fixture(scope="module")
+def tuning():
+    margins = jax.jit(sampled_margins)(published_plant(), published_pd())
+    region = Region((0.0, 2.224), (0.0, 1.112), (350.0, 350.0))
+    left = ResidualVibration(0.05, 0.051)
+    shaper = RegionalShaper(region, ei(3.1, 0.0), 3.1, (3.09, 3.11), 0.0, True, left)
+    predicted = Prediction("horizontal", METRICS, METRICS)
+    return Tuning(published_pd(), margins, (shaper,), (predicted,), ("A note.",))
+
+
+def test_a_tuning_that_is_written_and_read_is_the_same(tuning, tmp_path):
+    write_tuning(tmp_path / "tuning.json", tuning)
+    again = read_tuning(tmp_path / "tuning.json")
+    assert tuning_document(again) == tuning_document(tuning)
+
+
+def broken(tuning, tmp_path, change):
+    document = json.loads(tuning_document(tuning))
+    change(document)
+    path = tmp_path / "tuning.json"
+    path.write_text(json.dumps(document))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (lambda d: d.update(format=2), "format is wrong"),
+        (lambda d: d["controller"]["proportional_gain"].update(unit="V/deg"), "unit is wrong"),
+        (lambda d: d["shapers"][0].update(amplitudes=[0.5, 0.2, 0.1]), "sum to 0.8"),
+        (lambda d: d["shapers"][0].update(times=[0.0, 0.2, 0.1]), "times decrease"),
+        (lambda d: d["predicted"]["horizontal"]["after"].popitem(), "expected the metrics"),
+    ],
+)
+def test_a_broken_file_is_refused_with_its_place(tuning, tmp_path, change, where):
+    with pytest.raises(ValueError, match=where):
+        read_tuning(broken(tuning, tmp_path, change))
+
+
+def test_a_missing_file_says_which_command_writes_it(tmp_path):
+    with pytest.raises(ValueError, match="scdpr tune"):
+        read_tuning(tmp_path / "tuning.json")

@@ -1,0 +1,57 @@
+"""The whole of tuning, on a rig whose parameters are known."""
+
+import types
+
+import numpy as np
+import pytest
+
+from scdpr_jax.parameters import exact, replace
+from scdpr_jax.prototype import consistent
+from tuning.tune import tune
+
+RIG_A = exact(
+    replace(
+        consistent(),
+        {
+            "effective_pretension": 85.166460,
+            "friction_coefficient": 0.018270845,
+            "drive_inertia": 0.014530930,
+            "drive_damping": 0.20129864,
+        },
+    )
+)
+KNOCKS = types.SimpleNamespace(
+    x=np.array([0.5549895, 1.111674, 1.1153355, 1.64751]),
+    y=np.array([0.5422165, 0.559208, 0.8657980, 0.3023465]),
+    pretension=np.full(4, 350.0),
+    frequency=np.array([3.1451665, 3.1434531, 3.9619628, 3.6363721]),
+    frequency_sigma=np.array([0.00076, 0.00064, 0.00524, 0.00852]),
+    damping_ratio=np.array([0.00028, 0.0, 0.00398, 0.00683]),
+)
+
+
+@pytest.fixture(scope="module")
+def tuning():
+    return tune(types.SimpleNamespace(robot=RIG_A, of_setting=lambda label: RIG_A), KNOCKS)
+
+
+@pytest.mark.slow
+def test_the_vibration_after_two_second_legs_is_cut_by_three_fifths(tuning):
+    prediction = tuning.predicted[0]
+    assert prediction.after.residual_vibration <= 0.4 * prediction.before.residual_vibration
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "metric", ["resting_error", "largest_error", "largest_original_error"]
+)
+def test_no_error_of_two_second_legs_grows(tuning, metric):
+    prediction = tuning.predicted[0]
+    assert getattr(prediction.after, metric) <= getattr(prediction.before, metric)
+
+
+@pytest.mark.slow
+def test_the_tuned_loop_keeps_its_phase_margin_and_its_voltage(tuning):
+    # 45° are what the search is bounded by; a crossover is found to its last digits.
+    assert float(tuning.margins.phase_margin) >= np.deg2rad(45.0) - 1e-9
+    assert tuning.predicted[0].after.largest_voltage <= float(RIG_A.drive.voltage_limit)

@@ -1,0 +1,256 @@
+"""`tuning.json`: gains, shapers and what they are predicted to do."""
+
+import dataclasses
+import json
+import math
+import pathlib
+from typing import Any, Literal
+
+import jax.numpy as jnp
+import pydantic
+
+from scdpr_jax.controller import PD
+from scdpr_jax.files import write_whole
+from scdpr_jax.shaper import Shaper
+from tuning.margins import Margins
+from tuning.types import (
+    Metrics,
+    Prediction,
+    Region,
+    RegionalShaper,
+    ResidualVibration,
+    Tuning,
+)
+
+_Span = tuple[pydantic.FiniteFloat, pydantic.FiniteFloat]
+
+
+def tuning_document(tuning: Tuning) -> str:
+    """A tuning as the text of `tuning.json`.
+
+    A number that isn't finite, such as the gain margin of a loop that has no phase
+    crossover, is null. Traces of the predicted runs aren't written.
+
+    Args:
+        tuning: The tuning.
+
+    Returns:
+        JSON text.
+    """
+    controller = tuning.controller
+    document = {
+        "format": 1,
+        "controller": {
+            "proportional_gain": {
+                "value": float(controller.proportional_gain),
+                "unit": "V/rad",
+            },
+            "derivative_gain": {
+                "value": float(controller.derivative_gain),
+                "unit": "V s/rad",
+            },
+            "period": {"value": float(controller.period), "unit": "s"},
+            "filter_time": {"value": float(controller.filter_time), "unit": "s"},
+            "margins": {
+                field.name: _finite(float(getattr(tuning.margins, field.name)))
+                for field in dataclasses.fields(Margins)
+            },
+        },
+        "shapers": [_shaper(regional) for regional in tuning.shapers],
+        "predicted": {
+            prediction.name: {
+                "before": dataclasses.asdict(prediction.before),
+                "after": dataclasses.asdict(prediction.after),
+            }
+            for prediction in tuning.predicted
+        },
+        "notes": list(tuning.notes),
+    }
+    return json.dumps(document, indent=1, allow_nan=False) + "\n"
+
+
+def write_tuning(path: pathlib.Path, tuning: Tuning) -> None:
+    """Write a tuning as `tuning.json`, whole or not at all.
+
+    Args:
+        path: The file, replaced if it exists.
+        tuning: The tuning.
+    """
+    write_whole(path, tuning_document(tuning))
+
+
+def read_tuning(path: pathlib.Path) -> Tuning:
+    """Read a tuning from `tuning.json`.
+
+    Args:
+        path: The file.
+
+    Returns:
+        The tuning, its predictions without traces.
+
+    Raises:
+        ValueError: If the file isn't what `scdpr tune` writes; says where.
+    """
+    path = pathlib.Path(path)
+    try:
+        found = _Document.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise ValueError(
+            f"{path}: can't be read, got {error.strerror}, expected a tuning.json. Run "
+            "`scdpr tune` or `scdpr calibrate` first."
+        ) from None
+    except pydantic.ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "the file"
+        raise ValueError(
+            f"{path}: {where} is wrong, got {str(first['input'])[:60]!r}: {first['msg']}. "
+            "Expected what `scdpr tune` writes; write it anew."
+        ) from None
+    gains = found.controller
+    return Tuning(
+        controller=PD(
+            gains.proportional_gain.value,
+            gains.derivative_gain.value,
+            gains.period.value,
+            gains.filter_time.value,
+        ),
+        margins=Margins(
+            **{
+                name: jnp.asarray(_unbounded(name) if number is None else number)
+                for name, number in gains.margins.model_dump().items()
+            }
+        ),
+        shapers=tuple(shaper.build() for shaper in found.shapers),
+        predicted=tuple(
+            Prediction(name, Metrics(**pair.before), Metrics(**pair.after))
+            for name, pair in found.predicted.items()
+        ),
+        notes=tuple(found.notes),
+    )
+
+
+def _shaper(regional: RegionalShaper) -> dict[str, Any]:
+    region, shaper = regional.region, regional.shaper
+    return {
+        "region": {
+            "x": list(region.x),
+            "y": list(region.y),
+            "pretension": list(region.pretension),
+        },
+        "times": shaper.times.tolist(),
+        "amplitudes": shaper.amplitudes.tolist(),
+        "duration": float(shaper.duration),
+        "residual_vibration": dataclasses.asdict(regional.residual_vibration),
+        "frequency": regional.frequency,
+        "band": list(regional.band),
+        "damping_ratio": regional.damping_ratio,
+        "measured": regional.measured,
+    }
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
+
+
+def _unbounded(name: str) -> float:
+    """What null stands for: a margin without bound, a crossover that isn't there."""
+    return math.inf if name == "gain_margin" else math.nan
+
+
+class _VoltsPerRadian(pydantic.BaseModel):
+    value: pydantic.FiniteFloat
+    unit: Literal["V/rad"]
+
+
+class _VoltSecondsPerRadian(pydantic.BaseModel):
+    value: pydantic.FiniteFloat
+    unit: Literal["V s/rad"]
+
+
+class _Seconds(pydantic.BaseModel):
+    value: pydantic.NonNegativeFloat
+    unit: Literal["s"]
+
+
+class _Margins(pydantic.BaseModel):
+    gain_crossover: float | None
+    phase_margin: float | None
+    delay_margin: float | None
+    phase_crossover: float | None
+    gain_margin: float | None
+    peak_sensitivity: float | None
+
+
+class _Controller(pydantic.BaseModel):
+    proportional_gain: _VoltsPerRadian
+    derivative_gain: _VoltSecondsPerRadian
+    period: _Seconds = _Seconds(value=1e-3, unit="s")
+    filter_time: _Seconds = _Seconds(value=0.0, unit="s")
+    margins: _Margins
+
+
+class _Region(pydantic.BaseModel):
+    x: _Span
+    y: _Span
+    pretension: _Span
+
+
+class _Residual(pydantic.BaseModel):
+    nominal: pydantic.NonNegativeFloat
+    worst: pydantic.NonNegativeFloat
+
+
+class _Shaper(pydantic.BaseModel):
+    region: _Region
+    times: list[pydantic.NonNegativeFloat]
+    amplitudes: list[pydantic.FiniteFloat]
+    residual_vibration: _Residual
+    frequency: pydantic.PositiveFloat
+    band: _Span
+    damping_ratio: pydantic.NonNegativeFloat
+    measured: bool
+
+    @pydantic.model_validator(mode="after")
+    def _is_a_shaper(self) -> "_Shaper":
+        if not self.times or len(self.times) != len(self.amplitudes):
+            raise ValueError(
+                f"{len(self.times)} times and {len(self.amplitudes)} amplitudes, expected as "
+                "many of both, one at least"
+            )
+        if self.times != sorted(self.times):
+            raise ValueError("the times decrease [s], expected them sorted")
+        if abs(sum(self.amplitudes) - 1) > 1e-6:
+            raise ValueError(f"the amplitudes sum to {sum(self.amplitudes):.6g}, expected 1")
+        return self
+
+    def build(self) -> RegionalShaper:
+        return RegionalShaper(
+            region=Region(self.region.x, self.region.y, self.region.pretension),
+            shaper=Shaper(self.times, self.amplitudes),
+            frequency=self.frequency,
+            band=self.band,
+            damping_ratio=self.damping_ratio,
+            measured=self.measured,
+            residual_vibration=ResidualVibration(**self.residual_vibration.model_dump()),
+        )
+
+
+class _Pair(pydantic.BaseModel):
+    before: dict[str, pydantic.FiniteFloat]
+    after: dict[str, pydantic.FiniteFloat]
+
+    @pydantic.model_validator(mode="after")
+    def _has_every_metric(self) -> "_Pair":
+        wanted = {field.name for field in dataclasses.fields(Metrics)}
+        for side in (self.before, self.after):
+            if set(side) != wanted:
+                raise ValueError(f"got {sorted(side)}, expected the metrics {sorted(wanted)}")
+        return self
+
+
+class _Document(pydantic.BaseModel):
+    format: Literal[1]
+    controller: _Controller
+    shapers: list[_Shaper]
+    predicted: dict[str, _Pair]
+    notes: list[str] = []

@@ -1,0 +1,293 @@
+"""From a fitted robot and its measured frequencies to gains and shapers."""
+
+import dataclasses
+from typing import Protocol, runtime_checkable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from scdpr_jax.controller import PD, published_pd
+from scdpr_jax.drive import drive_gain, drive_pole
+from scdpr_jax.parameters import Robot, exact
+from scdpr_jax.shaper import Shaper, residual_vibration
+from tuning.catalogue import CATALOGUE
+from tuning.cells import Cell, Frequencies, cells_of, robot_in
+from tuning.margins import sampled_margins
+from tuning.objectives import Scores, loss
+from tuning.optimise import (
+    COARSE_PERIOD,
+    HOLD,
+    LEG_TIMES,
+    Effort,
+    Progress,
+    Task,
+    optimise,
+    track,
+    unshaped,
+)
+from tuning.plant import MotorPlant
+from tuning.types import (
+    Metrics,
+    Prediction,
+    RegionalShaper,
+    ResidualVibration,
+    TrackingRun,
+    Tuning,
+)
+
+PREDICTED_LEG_TIMES = (2.0, 4.0)
+"""Times of a leg that are predicted [s]: as the rigs run it, and as Table 3 prints it."""
+_SPAN = (0.3 / 2.224, 1.9 / 2.224)
+"""Ends of Table 3's horizontal manoeuvre, as shares of the frame's width [1]."""
+_HEIGHT = 0.55 / 1.112
+"""Its height, as a share of the frame's [1]."""
+_BAND_POINTS = 9
+"""Frequencies at which a band is looked at; a shaper of 1 s has no structure between."""
+
+
+@runtime_checkable
+class Estimated(Protocol):
+    """A fitted robot, at every pretension setting."""
+
+    @property
+    def robot(self) -> Robot:
+        """The robot at its first setting."""
+
+    def of_setting(self, label: str) -> Robot:
+        """The robot at a setting such as "350 N"."""
+
+
+class _Nowhere:
+    """A map of no knocks."""
+
+    x = y = pretension = frequency = frequency_sigma = damping_ratio = np.zeros(0)
+
+
+def tune(
+    estimate: Estimated,
+    frequencies: Frequencies | None,
+    *,
+    leg_times: tuple[float, ...] = LEG_TIMES,
+    effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
+    progress: Progress = lambda doing, share: None,
+) -> Tuning:
+    """Gains for the robot and a shaper for every region of its workspace.
+
+    Gains and a shaper are optimised on Table 3's horizontal manoeuvre in the cell that it
+    lies in. In every other cell the shaper is the one that the simulation likes best there,
+    of the catalogue's at the cell's frequency, the optimised one scaled to that frequency,
+    and none at all.
+
+    Args:
+        estimate: The fitted robot.
+        frequencies: The measured map; None, or without rows, for the model's frequencies.
+        leg_times: Times of a leg that the design is optimised for [s]; what it does at
+            `PREDICTED_LEG_TIMES` is predicted as well.
+        effort: How much is spent on the optimisation.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        The tuning; its notes say where the model stood in for measurements, and which of
+        the predicted metrics became worse.
+
+    Raises:
+        ValueError: If a measured setting has no fitted pretension.
+    """
+    known = _Nowhere() if frequencies is None else frequencies
+    settings = sorted({float(setting) for setting in known.pretension})
+    robots = {setting: exact(estimate.of_setting(f"{setting:g} N")) for setting in settings}
+    if not settings:
+        nominal = float(estimate.robot.cable.effective_pretension)
+        settings, robots = [nominal], {nominal: exact(estimate.robot)}
+    cells = {s: cells_of(known, robots[s], pretension=s) for s in settings}
+    # The middle setting stands for the others where the gains are concerned.
+    setting = settings[len(settings) // 2]
+    reference = _reference_cell(cells[setting], robots[setting])
+    task = _task(reference, robots[setting], height=_table_height(reference, robots[setting]))
+    found = optimise(
+        task,
+        leg_times=leg_times,
+        effort=effort,
+        progress=lambda doing, share: progress(doing, 0.8 * share),
+    )
+    shapers = []
+    for number, s in enumerate(settings):
+        progress("shapers of the regions", 0.8 + 0.1 * number / len(settings))
+        shapers += _shapers(
+            cells[s],
+            robots[s],
+            found.controller,
+            found.shaper,
+            reference,
+            s == setting,
+            leg_times,
+        )
+    progress("manoeuvres before and after", 0.9)
+    predicted = tuple(
+        _predict(task, found.controller, found.shaper, leg_time)
+        for leg_time in sorted({*leg_times, *PREDICTED_LEG_TIMES})
+    )
+    plant = MotorPlant(gain=drive_gain(task.robot.drive), pole=drive_pole(task.robot.drive))
+    return Tuning(
+        controller=found.controller,
+        margins=sampled_margins(plant, found.controller),
+        shapers=tuple(shapers),
+        predicted=predicted,
+        notes=_notes(shapers, predicted),
+    )
+
+
+def _reference_cell(cells: tuple[Cell, ...], robot: Robot) -> Cell:
+    """The measured cell nearest to the height of Table 3, or any if none is measured."""
+    height = _HEIGHT * float(robot.frame.height)
+    candidates = [cell for cell in cells if cell.measured] or list(cells)
+    return min(candidates, key=lambda cell: abs(cell.height - height))
+
+
+def _table_height(cell: Cell, robot: Robot) -> float:
+    height = _HEIGHT * float(robot.frame.height)
+    low, high = cell.region.y
+    return height if low <= height <= high else cell.height
+
+
+def _task(cell: Cell, robot: Robot, *, height: float) -> Task:
+    width = float(robot.frame.width)
+    start, turn = (jnp.asarray([share * width, height]) for share in _SPAN)
+    return Task(robot_in(cell, robot), start, turn)
+
+
+def _shapers(
+    cells: tuple[Cell, ...],
+    robot: Robot,
+    controller: PD,
+    optimised: Shaper,
+    reference: Cell,
+    own_setting: bool,
+    leg_times: tuple[float, ...],
+) -> list[RegionalShaper]:
+    """The best shaper of each cell; that of the reference cell is the optimised one."""
+    coarse = PD(controller.proportional_gain, controller.derivative_gain, COARSE_PERIOD)
+    evaluate = jax.jit(_losses, static_argnames="leg_times")
+    chosen = []
+    for cell in cells:
+        candidates = _candidates(cell, optimised, reference)
+        if own_setting and cell == reference:
+            shaper = optimised
+        else:
+            task = _task(cell, robot, height=cell.height)
+            stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *candidates)
+            shaper = candidates[
+                int(np.nanargmin(evaluate(task, coarse, stacked, leg_times=leg_times)))
+            ]
+        chosen.append(_regional(cell, shaper))
+    return chosen
+
+
+def _candidates(cell: Cell, optimised: Shaper, reference: Cell) -> list[Shaper]:
+    """Shapers of as many impulses as the optimised one; idle ones have no amplitude."""
+    count = optimised.times.size
+    scale = reference.frequency / cell.frequency
+    designs = [entry.design(cell.frequency, cell.damping_ratio) for entry in CATALOGUE]
+    fitting = [shaper for shaper in (unshaped(), *designs) if shaper.times.size <= count]
+    return [
+        Shaper(scale * optimised.times, optimised.amplitudes),
+        *(_padded(shaper, count) for shaper in fitting),
+    ]
+
+
+def _padded(shaper: Shaper, count: int) -> Shaper:
+    idle = count - shaper.times.size
+    return Shaper(
+        jnp.concatenate([shaper.times, jnp.full(idle, shaper.times[-1])]),
+        jnp.concatenate([shaper.amplitudes, jnp.zeros(idle)]),
+    )
+
+
+def _losses(
+    task: Task, controller: PD, shapers: Shaper, *, leg_times: tuple[float, ...]
+) -> jax.Array:
+    samples = int((2 * max(leg_times) + HOLD) / COARSE_PERIOD) + 1
+    legs = jnp.asarray(leg_times, dtype=float)
+    published = published_pd()
+    alone = PD(published.proportional_gain, published.derivative_gain, COARSE_PERIOD)
+
+    def scores(pd: PD, shaper: Shaper) -> Scores:
+        return jax.vmap(lambda leg: track(task, pd, shaper, leg, samples=samples).scores)(legs)
+
+    baseline = scores(alone, unshaped())
+    return jax.vmap(lambda s: jnp.sum(jax.vmap(loss)(scores(controller, s), baseline)))(shapers)
+
+
+def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
+    used = np.asarray(shaper.amplitudes) != 0
+    kept = Shaper(shaper.times[used], shaper.amplitudes[used])
+
+    def left(frequency: float) -> float:
+        return float(
+            residual_vibration(
+                kept,
+                frequency=jnp.asarray(frequency),
+                damping_ratio=jnp.asarray(cell.damping_ratio),
+            )
+        )
+
+    return RegionalShaper(
+        region=cell.region,
+        shaper=kept,
+        frequency=cell.frequency,
+        band=cell.band,
+        damping_ratio=cell.damping_ratio,
+        measured=cell.measured,
+        residual_vibration=ResidualVibration(
+            nominal=left(cell.frequency),
+            worst=max(left(float(f)) for f in np.linspace(*cell.band, _BAND_POINTS)),
+        ),
+    )
+
+
+def _predict(task: Task, controller: PD, shaper: Shaper, leg_time: float) -> Prediction:
+    """A manoeuvre at the controllers' own rate, before and after."""
+    run = jax.jit(track, static_argnames="samples")
+    leg = jnp.asarray(leg_time)
+    count = shaper.times.size
+
+    def simulate(pd: PD, impulses: Shaper) -> tuple[Metrics, TrackingRun]:
+        samples = round((2 * leg_time + HOLD) / float(pd.period)) + 1
+        found = run(task, pd, impulses, leg, samples=samples)
+        position = np.asarray(found.run.states.position)[:, [0, 4]]
+        numbers = {
+            field.name: float(getattr(found.scores, field.name))
+            for field in dataclasses.fields(Metrics)
+        }
+        return Metrics(**numbers), TrackingRun(
+            time=np.asarray(found.run.time),
+            reference=np.asarray(found.reference),
+            commanded=np.asarray(found.commanded),
+            position=position,
+            voltage=np.asarray(found.run.voltage),
+        )
+
+    before, run_before = simulate(published_pd(), _padded(unshaped(), count))
+    after, run_after = simulate(controller, shaper)
+    name = f"horizontal manoeuvre, {leg_time:g} s a leg"
+    return Prediction(name, before, after, run_before, run_after)
+
+
+def _notes(shapers: list[RegionalShaper], predicted: tuple[Prediction, ...]) -> tuple[str, ...]:
+    notes = []
+    modelled = sum(not shaper.measured for shaper in shapers)
+    if modelled:
+        notes.append(
+            f"{modelled} of {len(shapers)} regions have no knock: their frequency is the "
+            "model's, with both carriages held by friction. Knock there to measure it."
+        )
+    for prediction in predicted:
+        worse = [
+            field.name.replace("_", " ")
+            for field in dataclasses.fields(Metrics)[:5]
+            if getattr(prediction.after, field.name) > getattr(prediction.before, field.name)
+        ]
+        if worse:
+            notes.append(f"{prediction.name}: worse than before in {', '.join(worse)}.")
+    return tuple(notes)
