@@ -95,6 +95,18 @@ def readable_unit(unit: str) -> str:
     return unit.replace("^2", "²")
 
 
+def capitalised(text: str) -> str:
+    """A text with a capital at its beginning, the rest as it is.
+
+    Args:
+        text: The text.
+
+    Returns:
+        The same, as a sentence begins.
+    """
+    return text[:1].upper() + text[1:]
+
+
 def _minus(text: str) -> str:
     return text.replace("-", "−") if "e" not in text else text
 

@@ -73,7 +73,7 @@ def write_report(
         "report.html.j2",
         title=title,
         campaign=campaign,
-        words=words(campaign, estimate, frequencies=frequencies),
+        words=words(campaign, estimate, frequencies=frequencies, tuned=tuning is not None),
         notes=tuple(notes),
         rows=[parameter_row(parameter, truth=truth) for parameter in estimated(estimate)],
         fixed=[parameter_row(p) for p in estimate.parameters if p.status == "fixed"],

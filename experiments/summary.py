@@ -65,7 +65,7 @@ def show(
         parameter_row(parameter, truth=dict(truth or {})) for parameter in estimated(estimate)
     ]
     console.print(_parameters(rows, with_truth=bool(truth)))
-    said = words(campaign, estimate, frequencies=frequencies)
+    said = words(campaign, estimate, frequencies=frequencies, tuned=tuning is not None)
     _print_words(console, said, parameters=len(rows))
     if tuning is not None:
         show_tuning(console, tuning)

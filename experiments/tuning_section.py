@@ -8,7 +8,7 @@ import numpy as np
 from experiments.figures.bode import bode, open_loop
 from experiments.figures.shaper_response import NamedShaper, shaper_response
 from experiments.figures.tracking import tracking
-from experiments.number_text import percent, plain, short
+from experiments.number_text import capitalised, percent, plain, short
 from experiments.page import Picture, Pictures
 from scdpr_jax.drive import drive_gain, drive_pole
 from scdpr_jax.parameters import Robot
@@ -17,6 +17,12 @@ from tuning.types import Metrics, RegionalShaper, Tuning
 
 _TOGETHER = 4
 """Shapers in one figure: more lines can't be told apart."""
+
+_MUCH = 0.5
+"""Residual vibration from which a shaper does little against its mode [1]."""
+
+_SAME = 0.01
+"""Relative difference below which two shapers are drawn as one: a line's width."""
 
 DELAY = 1
 """Samples from a measurement to its command that the margins are given for."""
@@ -81,12 +87,19 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
     for one in tuning.predicted:
         before, after = one.before.residual_vibration, one.after.residual_vibration
         sentences.append(
-            f"{one.name.capitalize()}: vibration after the arrival {plain(1e3 * before)} mm "
+            f"{capitalised(one.name)}: vibration after the arrival {plain(1e3 * before)} mm "
             f"before, {plain(1e3 * after)} mm after, peak to peak; largest error "
             f"{plain(1e3 * one.before.largest_original_error)} mm before, "
             f"{plain(1e3 * one.after.largest_original_error)} mm after (simulated)."
         )
-    return (*sentences, *tuning.notes)
+    ringing = [one for one in tuning.shapers if one.residual_vibration.nominal > _MUCH]
+    if ringing:
+        sentences.append(
+            f"In {len(ringing)} of {len(tuning.shapers)} regions the shaper leaves more than "
+            "half of a vibration at its frequency: there it isn't the shaper that keeps the "
+            "robot quiet, but the gains and the moment of the arrival."
+        )
+    return (*sentences, *(capitalised(note) for note in tuning.notes))
 
 
 def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
@@ -130,11 +143,10 @@ def _shapers(tuning: Tuning) -> Table:
             "frequency [Hz]",
             "band [Hz]",
             "from",
-            "duration [ms]",
             "times [ms]",
             "amplitudes [1]",
             "left, nominal",
-            "left, worst",
+            "worst",
         ),
         tuple(_shaper(one) for one in tuning.shapers),
     )
@@ -148,9 +160,8 @@ def _shaper(one: RegionalShaper) -> tuple[str, ...]:
         short(one.frequency, 4),
         f"{short(one.band[0], 4)} … {short(one.band[1], 4)}",
         "knock" if one.measured else "model",
-        short(1e3 * float(one.shaper.duration), 4),
-        ", ".join(short(1e3 * float(time), 4) for time in times),
-        ", ".join(short(float(amplitude), 4) for amplitude in amplitudes),
+        ", ".join(short(1e3 * float(time), 3) for time in times),
+        ", ".join(short(float(amplitude), 3) for amplitude in amplitudes),
         percent(one.residual_vibration.nominal),
         percent(one.residual_vibration.worst),
     )
@@ -211,23 +222,60 @@ def _pictures(tuning: Tuning, robot: Robot, picture: Pictures) -> Iterator[Pictu
             "thick bars are the margins; the further from zero, the safer.",
             narrow=True,
         )
-    for first in range(0, len(tuning.shapers), _TOGETHER):
-        named = [
-            NamedShaper(region_name(one), one.shaper, one.damping_ratio, one.band)
-            for one in tuning.shapers[first : first + _TOGETHER]
-        ]
+    named = distinct_shapers(tuning)
+    for first in range(0, len(named), _TOGETHER):
         yield picture(
-            shaper_response(named),
+            shaper_response(named[first : first + _TOGETHER]),
             "What each shaper leaves of a vibration, over the vibration's frequency. Inside "
-            "its shaded band, which the true frequency lies in with 95 %, the curve should "
-            "stay low. Right: the impulses.",
+            "its shaded band, two standard errors to either side, a shaper that cancels the "
+            "vibration is near zero. Right: the impulses. Dashed: 5 %.",
         )
     limit = float(drive.voltage_limit)
     for one in tuning.predicted:
         if one.run_before is not None and one.run_after is not None:
             yield picture(
                 tracking(one.run_before, one.run_after, voltage_limit=limit),
-                f"{one.name.capitalize()}, simulated with the fitted robot: before with the "
+                f"{capitalised(one.name)}, simulated with the fitted robot: before with the "
                 "published gains and the plain reference, after with the tuned gains and the "
                 "shaped one. Look at the lower left: what still moves after the arrival.",
             )
+
+
+def distinct_shapers(tuning: Tuning) -> list[NamedShaper]:
+    """A tuning's shapers, those that are the same to the eye as one.
+
+    Args:
+        tuning: The tuning.
+
+    Returns:
+        Shapers, named by the first region and how many more there are, with the band of
+        all of them.
+    """
+    groups: list[list[RegionalShaper]] = []
+    for one in tuning.shapers:
+        for group in groups:
+            if _alike(one, group[0]):
+                group.append(one)
+                break
+        else:
+            groups.append([one])
+    return [
+        NamedShaper(
+            region_name(group[0]) + (f" and {len(group) - 1} more" if len(group) > 1 else ""),
+            group[0].shaper,
+            group[0].damping_ratio,
+            (min(one.band[0] for one in group), max(one.band[1] for one in group)),
+        )
+        for group in groups
+    ]
+
+
+def _alike(first: RegionalShaper, second: RegionalShaper) -> bool:
+    pairs = (
+        (first.shaper.times, second.shaper.times),
+        (first.shaper.amplitudes, second.shaper.amplitudes),
+        (first.frequency, second.frequency),
+    )
+    return all(
+        np.shape(a) == np.shape(b) and np.allclose(a, b, rtol=_SAME, atol=0) for a, b in pairs
+    )

@@ -193,6 +193,7 @@ def words(campaign: Campaign, estimate: Estimate, *, frequencies: FrequencyMap |
         campaign: The campaign, None if nothing is to be said of its clocks and faults.
         estimate: What was found in it.
         frequencies: Its natural frequencies, None without.
+        tuned: Whether gains and shapers were made from it.
 
     Returns:
         The sentences.
@@ -213,7 +214,7 @@ def words(campaign: Campaign, estimate: Estimate, *, frequencies: FrequencyMap |
     if campaign is not None:
         sure += _clocks(campaign, estimate)
         sure += _skipped(campaign)
-    return Words(tuple(found), tuple(sure), tuple(_next(estimate, frequencies)))
+    return Words(tuple(found), tuple(sure), tuple(_next(estimate, frequencies, tuned)))
 
 
 def _parameter(parameter: ParameterEstimate) -> str:
@@ -310,7 +311,7 @@ def _ending(estimate: Estimate) -> list[str]:
     return [f"The fit {reason}: the standard errors may be too small."]
 
 
-def _next(estimate: Estimate, frequencies: FrequencyMap | None) -> list[str]:
+def _next(estimate: Estimate, frequencies: FrequencyMap | None, tuned: bool) -> list[str]:
     steps = []
     for parameter in estimated(estimate):
         name = parameter.name.replace("_", " ")
@@ -329,6 +330,11 @@ def _next(estimate: Estimate, frequencies: FrequencyMap | None) -> list[str]:
         steps.append("Hold a run out next time, to see how well the model predicts.")
     if frequencies is None:
         steps.append("Log knocks over the workspace: shapers need the natural frequencies.")
-    if not steps:
+    if tuned:
+        steps.append(
+            "Set the gains and shapers on the rig, starting with a slow manoeuvre, log it, and "
+            "hold it against the prediction."
+        )
+    elif not steps:
         steps.append("Use the parameters: tune the controller and the shapers with them.")
     return steps

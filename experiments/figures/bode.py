@@ -17,13 +17,14 @@ from tuning.responses import sampled_loop
 
 _POINTS = 400
 _LOWEST = 1e-2  # of the gain crossover
+_HIGHEST = 0.9  # of the Nyquist frequency, where a sampled gain falls to nothing
 
 
 class OpenLoop(NamedTuple):
     """Frequency response of the loop as the controller runs it."""
 
     angular_frequency: Float[np.ndarray, " points"]
-    """Angular frequency [rad/s], up to the Nyquist frequency."""
+    """Angular frequency [rad/s], up to near the Nyquist frequency."""
     gain: Float[np.ndarray, " points"]
     """Gain [dB]."""
     phase: Float[np.ndarray, " points"]
@@ -43,7 +44,7 @@ def open_loop(plant: MotorPlant, controller: PD, *, delay: int, crossover: float
         Gain and phase.
     """
     nyquist = np.pi / float(controller.period)
-    omega = jnp.asarray(np.geomspace(_LOWEST * crossover, 0.999 * nyquist, _POINTS))
+    omega = jnp.asarray(np.geomspace(_LOWEST * crossover, _HIGHEST * nyquist, _POINTS))
     response = np.asarray(
         jax.vmap(lambda w: sampled_loop(plant, controller, w, delay=delay))(omega)
     )
@@ -88,6 +89,6 @@ def bode(loop: OpenLoop, margins: Margins) -> Figure:
     above.set_ylabel(label("gain", "dB"))
     below.set_ylabel(label("phase", "°"))
     below.set_xlabel(label("angular frequency", "rad/s"))
-    low = max(loop.phase.min(), -400)
+    low = max(float(loop.phase.min()), -360.0)
     below.set_ylim(low - 10, loop.phase.max() + 20)
     return figure

@@ -114,7 +114,9 @@ def intervals(
             color=GREY,
         )
     if any(row.error for row in rows):
-        axes.plot([], [], "X", color=VERMILION, ms=8, mew=0, ls="", label="distance from the truth")
+        axes.plot(
+            [], [], "X", color=VERMILION, ms=8, mew=0, ls="", label="distance from the truth"
+        )
         axes.plot([], [], color=BLUE, lw=7, label="half of the 95 % interval")
         figure.legend(loc="outside upper right", ncols=2)
     axes.set_xscale("log")

@@ -1,5 +1,6 @@
 """What a shaper leaves of a vibration, over the vibration's frequency."""
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -82,27 +83,25 @@ def shaper_response(shapers: Sequence[NamedShaper], *, tolerance: float = 0.05) 
     frequency = np.linspace(low, high, _POINTS)
     figure = new_figure(height=3.8)
     left, right = figure.subplots(1, 2, width_ratios=(2, 1))
-    for (color, style), named in zip(_STYLES * len(shapers), shapers, strict=False):
-        left.plot(
-            frequency,
-            100 * residual_curve(named, frequency),
-            color=color,
-            ls=style,
-            label=named.name,
-        )
-        left.axvspan(*named.band, color=color, alpha=0.13, lw=0)
+    highest = 100.0
+    for (color, style), named in zip(itertools.cycle(_STYLES), shapers, strict=False):
+        curve = 100 * residual_curve(named, frequency)
+        highest = max(highest, float(curve.max()))
+        left.plot(frequency, curve, color=color, ls=style, label=named.name)
+        left.axvspan(*named.band, color=color, alpha=0.15, lw=0)
+        left.axvline(sum(named.band) / 2, color=color, lw=0.8, alpha=0.7)
         times = 1e3 * np.asarray(named.shaper.times)
         amplitudes = np.asarray(named.shaper.amplitudes)
         stems = right.vlines(times, 0, amplitudes, color=color, lw=2.5)
         stems.set_linestyle(style)
         right.plot(times, amplitudes, "o", color=color, ms=5)
     left.axhline(100 * tolerance, color="#999999", ls=(0, (2, 2)), lw=1)
-    left.set_ylim(0, 105)
+    left.set_ylim(0, 1.05 * highest)
     left.set_xlim(low, high)
     left.set_xlabel(label("frequency of the vibration", "Hz"))
     left.set_ylabel(label("residual vibration", "%"))
     right.axhline(0, color="#999999", lw=0.8)
     right.set_xlabel(label("time", "ms"))
     right.set_ylabel(label("impulse amplitude", "1"))
-    figure_legend(figure, left, columns=3)
+    figure_legend(figure, left, columns=2)
     return figure

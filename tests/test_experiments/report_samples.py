@@ -92,7 +92,7 @@ def comparison(name, *, kind="manoeuvre", held_out=False, camera=True, off=0.0, 
             )
             for i in range(5)
         ]
-    return Comparison(
+    made = Comparison(
         name=name,
         kind=kind,
         held_out=held_out,
@@ -103,9 +103,13 @@ def comparison(name, *, kind="manoeuvre", held_out=False, camera=True, off=0.0, 
         frame_time=frames,
         measured=measured,
         simulated=simulated,
-        path=path(time) if camera else np.zeros((0, 5)),
+        path=path(time),
         channels=tuple(channels),
     )
+    if not camera:
+        # As `compare_motors` leaves it: the bare drives have no path.
+        object.__setattr__(made, "path", np.zeros((0, 5)))
+    return made
 
 
 def channel(name, unit, sigma, difference, time):
