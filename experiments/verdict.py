@@ -186,7 +186,13 @@ class Words(NamedTuple):
     """What to do next."""
 
 
-def words(campaign: Campaign, estimate: Estimate, *, frequencies: FrequencyMap | None) -> Words:
+def words(
+    campaign: Campaign | None,
+    estimate: Estimate,
+    *,
+    frequencies: FrequencyMap | None,
+    tuned: bool,
+) -> Words:
     """The summary in plain words.
 
     Args:

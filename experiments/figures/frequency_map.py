@@ -82,7 +82,7 @@ def frequency_map(
     for axes, setting in zip(grid, settings, strict=True):
         here = frequencies.pretension == setting
         _frame(axes, size)
-        for row in np.flatnonzero(here):
+        for row in np.flatnonzero(here).tolist():
             _knock(axes, frequencies, row, shade)
         axes.set_title(f"nominal pretension {setting:g} N")
     bar = figure.colorbar(shade, ax=list(grid), shrink=0.8, pad=0.01)
