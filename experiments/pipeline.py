@@ -5,8 +5,6 @@ import pathlib
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from tuning.document import tuning_document
-from tuning.tune import tune
 
 from experiments.parameters_file import write_parameters
 from experiments.report import write_report
@@ -15,7 +13,8 @@ from identification.campaign import Campaign, read_campaign
 from identification.estimate import Estimate, estimate
 from identification.frequency_map import FrequencyMap, frequency_map, write_frequencies
 from identification.unknowns import DEFAULT_FREE
-from scdpr_jax.files import write_whole
+from tuning.document import write_tuning
+from tuning.tune import tune
 from tuning.types import Tuning
 
 Progress = Callable[[str, float], None]
@@ -154,7 +153,7 @@ def write_calibration(
         frequencies = out / "frequencies.csv"
         write_frequencies(calibration.frequencies, frequencies)
         written.append(frequencies)
-    write_whole(tuning, tuning_document(calibration.tuning))
+    write_tuning(tuning, calibration.tuning)
     write_report(
         report,
         title=f"Calibration of {calibration.campaign.name}",

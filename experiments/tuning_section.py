@@ -89,15 +89,14 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
         sentences.append(
             f"{capitalised(one.name)}: vibration after the arrival {plain(1e3 * before)} mm "
             f"before, {plain(1e3 * after)} mm after, peak to peak; largest error "
-            f"{plain(1e3 * one.before.largest_original_error)} mm before, "
-            f"{plain(1e3 * one.after.largest_original_error)} mm after (simulated)."
+            f"{plain(1e3 * one.before.largest_error)} mm before, "
+            f"{plain(1e3 * one.after.largest_error)} mm after (simulated)."
         )
     ringing = [one for one in tuning.shapers if one.residual_vibration.nominal > _MUCH]
     if ringing:
         sentences.append(
             f"In {len(ringing)} of {len(tuning.shapers)} regions the shaper leaves more than "
-            "half of a vibration at its frequency: there it isn't the shaper that keeps the "
-            "robot quiet, but the gains and the moment of the arrival."
+            "half of a vibration at its frequency: don't count on the shaper alone there."
         )
     return (*sentences, *(capitalised(note) for note in tuning.notes))
 
@@ -185,7 +184,7 @@ def region_name(one: RegionalShaper) -> str:
 _COMPARED = (
     ("vibration after arrival [mm]", 1e3, "residual_vibration"),
     ("resting error [mm]", 1e3, "resting_error"),
-    ("largest error, original [mm]", 1e3, "largest_original_error"),
+    ("largest error, original [mm]", 1e3, "largest_error"),
     ("largest error, commanded [mm]", 1e3, "largest_error"),
     ("largest command [V]", 1.0, "largest_voltage"),
     ("saturated [%]", 100.0, "saturation"),

@@ -41,7 +41,14 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         calibration = calibrate(read_campaign(logs), progress=stage(progress, 0.2, 0.95))
         progress("report", 0.95)
         written = write_calibration(calibration, out, truth=truth.values)
-    summary.show(OUT, calibration.estimate, truth=truth.values, tuning=calibration.tuning)
+    summary.show(
+        OUT,
+        calibration.estimate,
+        campaign=calibration.campaign,
+        frequencies=calibration.frequencies,
+        truth=truth.values,
+        tuning=calibration.tuning,
+    )
     _wrote(logs, *written)
     _next(
         f"open {written[0]}", f"scdpr check {logs}", "scdpr calibrate YOUR-CAMPAIGN --out DIR"
@@ -83,7 +90,13 @@ def calibrate(
         )
         progress("report", 0.93)
         written = pipeline.write_calibration(calibration, out)
-    summary.show(OUT, calibration.estimate, tuning=calibration.tuning)
+    summary.show(
+        OUT,
+        calibration.estimate,
+        campaign=calibration.campaign,
+        frequencies=calibration.frequencies,
+        tuning=calibration.tuning,
+    )
     for note in calibration.notes:
         OUT.print(f"note: {note}")
     _wrote(*written)
@@ -111,7 +124,7 @@ def check(campaign: Folder, /) -> int:
     for note in found.notes:
         OUT.print(f"note: {note}", markup=False)
     if found.faults:
-        print(f"scdpr check: {CampaignError(found.faults)}", file=ERRORS.file)
+        print(f"scdpr check: {CampaignError(campaign, found.faults)}", file=ERRORS.file)
         return BAD_INPUT
     OUT.print(f"{len(found.runs)} runs, no fault.")
     _next(f"scdpr calibrate {campaign} --out DIR")
@@ -147,7 +160,7 @@ def identify(
     with shown_progress(ERRORS) as progress:
         found = estimate(read, free=free or DEFAULT_FREE, hold_out=hold_out, progress=progress)
     write_parameters(out / "parameters.json", found)
-    summary.show(OUT, found)
+    summary.show(OUT, found, campaign=read)
     _wrote(out / "parameters.json")
     _next(f"scdpr frequencies {campaign} --out {out}")
     return DONE
@@ -175,7 +188,7 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
         found = estimate_drive_axis(read, gain=force, delay_samples=delay_samples)
     write_axis_parameters(out / "parameters.json", found)
     report.write_drive_report(out / "report.html", log=read, estimate=found)
-    summary.show_axis(OUT, found)
+    summary.show_axis(OUT, found, position_unit=read.position_unit)
     _wrote(out / "parameters.json", out / "report.html")
     return DONE if found.converged else FELL_SHORT
 
@@ -209,19 +222,17 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
         out: Folder for tuning.json.
     """
     set_up()
-    from tuning.document import tuning_document
-    from tuning.tune import tune as design
-
     from experiments import summary
     from experiments.parameters_file import read_parameters
     from identification.frequency_map import read_frequencies
-    from scdpr_jax.files import write_whole
+    from tuning.document import write_tuning
+    from tuning.tune import tune as design
 
     fitted = read_parameters(parameters)
     measured = read_frequencies(frequencies)
     with shown_progress(ERRORS) as progress:
         tuned = design(fitted, measured, progress=progress)
-    write_whole(out / "tuning.json", tuning_document(tuned))
+    write_tuning(out / "tuning.json", tuned)
     summary.show_tuning(OUT, tuned)
     _wrote(out / "tuning.json")
     _next(f"scdpr simulate --parameters {parameters} --tuning {out / 'tuning.json'} --out DIR")

@@ -17,6 +17,8 @@ from scdpr_jax.parameters import value
 
 FRICTION = "friction_coefficient"
 
+_LISTED = 3  # runs that are told one by one
+
 
 class Excess(NamedTuple):
     """A channel whose residual is more than noise."""
@@ -265,13 +267,21 @@ def _noise(estimate: Estimate) -> str:
         f"{excess.run}, {COORDINATES[excess.channel.name].symbol}: {shown_size(excess)} rms "
         f"({plain(math.sqrt(excess.channel.chi_square))} times the noise), worst at "
         f"{excess.channel.worst_time:.2f} s"
-        for excess in worse[:3]
+        for excess in _one_a_run(worse)[:_LISTED]
     )
     return (
         f"The residuals are NOT only noise: {len(worse)} of {total} channels of the "
         f"{len(fitted)} fitted runs have more. The worst: {listed}. The model doesn't "
         "explain these, and the values are the best for this model only."
     )
+
+
+def _one_a_run(found: tuple[Excess, ...]) -> list[Excess]:
+    """The first of each run, in their order."""
+    first: dict[str, Excess] = {}
+    for excess in found:
+        first.setdefault(excess.run, excess)
+    return list(first.values())
 
 
 def _held_out(one: Prediction) -> str:
@@ -293,11 +303,12 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> list[str]:
     ]
     if not unknown:
         return []
-    offsets = "; ".join(
-        f"{name} {plain(1e3 * float(estimate.circumstances[name].clock_offset), 3)} ms"
-        for name in unknown
-    )
-    return [f"The camera's clock was unknown and estimated, camera minus drive: {offsets}."]
+    offsets = {name: 1e3 * float(estimate.circumstances[name].clock_offset) for name in unknown}
+    told = "; ".join(f"{name} {plain(offset, 3)} ms" for name, offset in offsets.items())
+    if len(offsets) > _LISTED:
+        low, high = min(offsets.values()), max(offsets.values())
+        told = f"{plain(low, 3)} to {plain(high, 3)} ms in {len(offsets)} runs"
+    return [f"The camera's clock was unknown and estimated, camera minus drive: {told}."]
 
 
 def _skipped(campaign: Campaign) -> list[str]:

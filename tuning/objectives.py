@@ -148,8 +148,8 @@ def score(
 def loss(found: Scores, baseline: Scores, *, target: float = 0.35) -> Float[Array, ""]:
     r"""How far a run is from what is wanted of it, each metric over its baseline's.
 
-    The vibration counts throughout, and four times above the target share; resting and
-    tracking errors count where they come within 5 % of the baseline's or exceed it.
+    The vibration counts throughout, and four times above the target share; the resting
+    error and that of Eq. (26) count where they come near the baseline's or exceed it.
 
     Args:
         found: Metrics of the run.
@@ -164,13 +164,11 @@ def loss(found: Scores, baseline: Scores, *, target: float = 0.35) -> Float[Arra
     capped = 3 * jnp.tanh(vibration / 3)
     resting = found.resting_error / jnp.maximum(baseline.resting_error, 1e-3)
     tracking = found.largest_error / baseline.largest_error
-    original = found.largest_original_error / baseline.largest_original_error
     return (
         capped
         + 3 * _above(capped, target)
-        + 3 * _above(resting, 0.95)
+        + 12 * _above(resting, 0.93)
         + 8 * _above(tracking, 0.97)
-        + 4 * _above(original, 0.97)
     )
 
 

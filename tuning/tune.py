@@ -14,15 +14,17 @@ from scdpr_jax.shaper import Shaper, residual_vibration
 from tuning.catalogue import CATALOGUE
 from tuning.cells import Cell, Frequencies, cells_of, robot_in
 from tuning.margins import sampled_margins
-from tuning.objectives import Scores, loss
 from tuning.optimise import (
     COARSE_PERIOD,
-    HOLD,
     LEG_TIMES,
     Effort,
     Progress,
     Task,
+    alone,
+    losses,
     optimise,
+    runs,
+    samples_for,
     track,
     unshaped,
 )
@@ -36,8 +38,6 @@ from tuning.types import (
     Tuning,
 )
 
-PREDICTED_LEG_TIMES = (2.0, 4.0)
-"""Times of a leg that are predicted [s]: as the rigs run it, and as Table 3 prints it."""
 _SPAN = (0.3 / 2.224, 1.9 / 2.224)
 """Ends of Table 3's horizontal manoeuvre, as shares of the frame's width [1]."""
 _HEIGHT = 0.55 / 1.112
@@ -82,8 +82,7 @@ def tune(
     Args:
         estimate: The fitted robot.
         frequencies: The measured map; None, or without rows, for the model's frequencies.
-        leg_times: Times of a leg that the design is optimised for [s]; what it does at
-            `PREDICTED_LEG_TIMES` is predicted as well.
+        leg_times: Times of a leg that the design is optimised for [s].
         effort: How much is spent on the optimisation.
         progress: Told what is being done and which share of it is done.
 
@@ -125,8 +124,7 @@ def tune(
         )
     progress("manoeuvres before and after", 0.9)
     predicted = tuple(
-        _predict(task, found.controller, found.shaper, leg_time)
-        for leg_time in sorted({*leg_times, *PREDICTED_LEG_TIMES})
+        _predict(task, found.controller, found.shaper, leg_time) for leg_time in leg_times
     )
     plant = MotorPlant(gain=drive_gain(task.robot.drive), pole=drive_pole(task.robot.drive))
     return Tuning(
@@ -168,19 +166,26 @@ def _shapers(
 ) -> list[RegionalShaper]:
     """The best shaper of each cell; that of the reference cell is the optimised one."""
     coarse = PD(controller.proportional_gain, controller.derivative_gain, COARSE_PERIOD)
-    evaluate = jax.jit(_losses, static_argnames="leg_times")
+    candidates = [_candidates(cell, optimised, reference) for cell in cells]
+    tasks = [_task(cell, robot, height=cell.height) for cell in cells]
+    each = jax.tree.map(lambda *leaves: jnp.stack(leaves), *tasks)
+    many = jax.tree.map(lambda leaf: jnp.repeat(leaf, len(candidates[0]), axis=0), each)
+    tried = jax.tree.map(
+        lambda *leaves: jnp.stack(leaves), *(one for cell in candidates for one in cell)
+    )
+    total = np.zeros((len(cells), len(candidates[0])))
+    for leg in leg_times:
+        before = runs(each, alone(), unshaped(optimised.times.size), leg)
+        after = runs(many, coarse, tried, leg)
+        shape = total.shape
+        shaped = jax.tree.map(lambda leaf, shape=shape: leaf.reshape(shape), after)
+        against = jax.tree.map(lambda leaf: leaf[:, None], before)
+        total = total + np.asarray(losses(shaped, against))
     chosen = []
-    for cell in cells:
-        candidates = _candidates(cell, optimised, reference)
-        if own_setting and cell == reference:
-            shaper = optimised
-        else:
-            task = _task(cell, robot, height=cell.height)
-            stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *candidates)
-            shaper = candidates[
-                int(np.nanargmin(evaluate(task, coarse, stacked, leg_times=leg_times)))
-            ]
-        chosen.append(_regional(cell, shaper))
+    for cell, shapers, costs in zip(cells, candidates, total, strict=True):
+        best = shapers[int(np.nanargmin(costs))]
+        own = own_setting and cell == reference
+        chosen.append(_regional(cell, optimised if own else best))
     return chosen
 
 
@@ -202,21 +207,6 @@ def _padded(shaper: Shaper, count: int) -> Shaper:
         jnp.concatenate([shaper.times, jnp.full(idle, shaper.times[-1])]),
         jnp.concatenate([shaper.amplitudes, jnp.zeros(idle)]),
     )
-
-
-def _losses(
-    task: Task, controller: PD, shapers: Shaper, *, leg_times: tuple[float, ...]
-) -> jax.Array:
-    samples = int((2 * max(leg_times) + HOLD) / COARSE_PERIOD) + 1
-    legs = jnp.asarray(leg_times, dtype=float)
-    published = published_pd()
-    alone = PD(published.proportional_gain, published.derivative_gain, COARSE_PERIOD)
-
-    def scores(pd: PD, shaper: Shaper) -> Scores:
-        return jax.vmap(lambda leg: track(task, pd, shaper, leg, samples=samples).scores)(legs)
-
-    baseline = scores(alone, unshaped())
-    return jax.vmap(lambda s: jnp.sum(jax.vmap(loss)(scores(controller, s), baseline)))(shapers)
 
 
 def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
@@ -253,7 +243,7 @@ def _predict(task: Task, controller: PD, shaper: Shaper, leg_time: float) -> Pre
     count = shaper.times.size
 
     def simulate(pd: PD, impulses: Shaper) -> tuple[Metrics, TrackingRun]:
-        samples = round((2 * leg_time + HOLD) / float(pd.period)) + 1
+        samples = samples_for(leg_time, float(pd.period))
         found = run(task, pd, impulses, leg, samples=samples)
         position = np.asarray(found.run.states.position)[:, [0, 4]]
         numbers = {

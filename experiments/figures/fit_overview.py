@@ -14,6 +14,8 @@ from experiments.style import BLACK, VERMILION, new_figure, styled
 from identification.comparison import ENCODERS, Comparison
 
 _LIGHTEST, _DARKEST = 1.0, 1e4  # mean squares between which the colour changes
+_LARGE = 1e4  # from here on as a power of ten
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SHADES = LinearSegmentedColormap.from_list(
     "misfit", ["#f4f8fb", "#f6c177", "#b5400a", "#4a1200"]
 )
@@ -80,7 +82,7 @@ def fit_overview(comparisons: Sequence[Comparison]) -> Figure:
         axes.text(
             column + 0.5,
             row + 0.5,
-            plain(value),
+            _short(value),
             ha="center",
             va="center",
             fontsize=9,
@@ -120,3 +122,11 @@ def _ticks(figure, axes, comparisons: Sequence[Comparison]) -> None:
         ),
     ]
     figure.legend(handles=handles, loc="outside upper right", ncols=2)
+
+
+def _short(value: float) -> str:
+    """A mean square that fits its cell."""
+    if value < _LARGE:
+        return plain(value)
+    digits, exponent = f"{value:.1e}".split("e")
+    return digits + "·10" + str(int(exponent)).translate(_RAISED)

@@ -1,6 +1,8 @@
 import dataclasses
 import math
 
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from report_samples import campaign, comparison, estimate, frequencies, parameter, skipped_run
@@ -23,6 +25,36 @@ def test_residuals_beyond_noise_are_named_with_run_channel_and_size():
     text = said(estimate(off=5e-3)).sure[0]
     assert "NOT only noise: 1 of 16 channels of the 3 fitted runs" in text
     assert "0001-manoeuvre, xₑ: 5.0 mm rms (25 times the noise)" in text
+
+
+def test_each_run_is_named_once_among_the_worst_and_the_worst_first():
+    found = estimate(off=5e-3)
+    first = found.comparisons[0]
+    channels = tuple(dataclasses.replace(one, rms=9 * one.sigma) for one in first.channels)
+    bad = dataclasses.replace(first, channels=channels)
+    worse = tuple(dataclasses.replace(one, rms=11 * one.sigma) for one in channels)
+    others = (dataclasses.replace(bad, name="0002-manoeuvre", channels=worse),)
+    text = said(dataclasses.replace(found, comparisons=(bad, *others))).sure[0]
+    assert text.count("0001-manoeuvre") == text.count("0002-manoeuvre") == 1
+    assert text.index("0002-manoeuvre") < text.index("0001-manoeuvre")
+
+
+def test_many_clocks_are_told_as_a_range():
+    found = estimate()
+    runs = campaign(clock=None).runs[:3]
+    many = tuple(dataclasses.replace(runs[0], name=f"run {n}") for n in range(5))
+    one = found.circumstances["0001-manoeuvre"]
+    offsets = {
+        run.name: eqx.tree_at(lambda c: c.clock_offset, one, jnp.asarray(0.01 * n))
+        for n, run in enumerate(many, start=1)
+    }
+    told = words(
+        dataclasses.replace(campaign(), runs=many),
+        dataclasses.replace(found, circumstances=offsets),
+        frequencies=None,
+        tuned=False,
+    )
+    assert any("10.0 to 50.0 ms in 5 runs" in line for line in told.sure)
 
 
 def test_an_encoder_is_told_in_millimetres_of_cable():
