@@ -1,5 +1,6 @@
 """From a campaign to its parameters, frequencies, controller and report."""
 
+import concurrent.futures
 import dataclasses
 import pathlib
 from collections.abc import Callable, Sequence
@@ -13,8 +14,9 @@ from identification.campaign import Campaign, read_campaign
 from identification.estimate import Estimate, estimate
 from identification.frequency_map import FrequencyMap, frequency_map, write_frequencies
 from identification.unknowns import DEFAULT_FREE
+from scdpr_jax.prototype import consistent
 from tuning.document import write_tuning
-from tuning.tune import tune
+from tuning.tune import prepare, tune
 from tuning.types import Tuning
 
 Progress = Callable[[str, float], None]
@@ -22,6 +24,10 @@ Progress = Callable[[str, float], None]
 
 REFINEMENT = "drive_friction"
 """What the usual unknowns leave out of a real drive; freed where the residuals ask for it."""
+
+
+WORTH_IT = 0.99
+"""Share of the misfit that another unknown has to leave at most to be kept [1]."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -89,13 +95,11 @@ def calibrate(
         FloatingPointError: If a run's simulation isn't finite.
     """
     names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
-    if free is None:
-        found, notes = _refined(campaign, names, stage(progress, 0.02, 0.7))
-    else:
-        found = estimate(
-            campaign, free=free, hold_out=names, progress=stage(progress, 0.02, 0.7)
-        )
-        notes = []
+    with concurrent.futures.ThreadPoolExecutor(1) as aside:
+        # What tuning compiles doesn't depend on the fit: it comes along on another core.
+        compiled = aside.submit(prepare, consistent())
+        found, notes = _fitted(campaign, free, names, progress)
+        compiled.result()
     progress("ring-downs", 0.7)
     notes += _notes(campaign, found)
     frequencies = None
@@ -107,6 +111,19 @@ def calibrate(
             notes.append(f"No frequency map: {error}")
     tuned = tune(found, frequencies, progress=stage(progress, 0.75, 0.95))
     return Calibration(campaign, found, frequencies, tuned, tuple(notes))
+
+
+def _fitted(
+    campaign: Campaign,
+    free: Sequence[str] | None,
+    hold_out: tuple[str, ...],
+    progress: Progress,
+) -> tuple[Estimate, list[str]]:
+    """The fit that was asked for, or the usual one with what it turns out to need."""
+    share = stage(progress, 0.02, 0.7)
+    if free is None:
+        return _refined(campaign, hold_out, share)
+    return estimate(campaign, free=free, hold_out=hold_out, progress=share), []
 
 
 def _refined(
@@ -127,7 +144,7 @@ def _refined(
         f"{usual.fit.misfit:.3f} per measurement, 1 if it were noise). With the drives' dry "
         f"friction freed it is {refined.fit.misfit:.3f}"
     )
-    if refined.fit.misfit < usual.fit.misfit:
+    if refined.fit.misfit < WORTH_IT * usual.fit.misfit:
         return refined, [f"{told}: that fit is the one reported."]
     return usual, [f"{told}: no better, so the fit of the four is reported."]
 

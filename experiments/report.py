@@ -37,7 +37,7 @@ from scdpr_jax.files import write_whole
 from scdpr_jax.parameters import Robot, value
 from tuning.types import Tuning
 
-RUNS_DRAWN = 16
+RUNS_DRAWN = 8
 """Runs that are drawn one by one: more would make the page heavy without telling more."""
 
 

@@ -202,7 +202,7 @@ class _Rig:
         """Whether the robot stays clear of the frame by 5 cm."""
         q, frame = np.asarray(states.position), self.robot.frame
         wide = (
-            0.05 < q[:, [0, 2, 3]].min() and q[:, [0, 2, 3]].max() < float(frame.width) - 0.05
+            q[:, [0, 2, 3]].min() > 0.05 and q[:, [0, 2, 3]].max() < float(frame.width) - 0.05
         )
         body = self.robot.end_effector
         low, high = (
@@ -337,9 +337,10 @@ def _film(
 def _fine(robot: Robot, state: State, held: Inputs) -> State:
     """The state after one sample period, in `SUBSTEPS` steps."""
     part = eqx.tree_at(lambda inputs: inputs.duration, held, held.duration / SUBSTEPS)
-    for _ in range(SUBSTEPS):
-        state = step(robot, state, part)
-    return state
+    following, _ = jax.lax.scan(
+        lambda before, _: (step(robot, before, part), None), state, length=SUBSTEPS
+    )
+    return following
 
 
 @eqx.filter_jit

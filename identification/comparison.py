@@ -17,11 +17,11 @@ from scdpr_jax.parameters import Robot
 ENCODERS = ("alpha_1", "alpha_2")
 CAMERA = ("x_e", "delta_e", "q_3", "q_4", "y_e")
 
-NOISE_LIMIT = {"encoder": 3.5, "camera": 1.75}
+NOISE_LIMIT = {"encoder": 12.0, "camera": 1.75}
 """Mean squared residual up to which a channel may be noise [1].
 
-Rounding to whole counts reaches at most 3 (an encoder that stands half a count off);
-fifty camera frames of Gaussian noise stay below 1.75 but once in ten thousand.
+12 is one whole count of an encoder: less it doesn't resolve while it stands. Fifty camera
+frames of Gaussian noise stay below 1.75 but once in ten thousand.
 """
 
 

@@ -1,5 +1,6 @@
 """Parameters of a robot from a campaign of logged runs, all runs at once."""
 
+import concurrent.futures
 import dataclasses
 from collections.abc import Callable, Sequence
 
@@ -37,7 +38,10 @@ from scdpr_jax.prototype import consistent
 COARSE_STEP = 5e-3
 """Step of the scan and of the first iterations [s]: some 20 µm of error at it."""
 
-SCAN_RUNS = 3
+SCAN_STEP = 1e-2
+"""Step of the scan [s]: a tenth of the fastest vibration that it has to follow."""
+
+SCAN_RUNS = 2
 """Runs of a setting that the scan looks at: those that move the furthest sideways."""
 
 STARTS = 3
@@ -136,10 +140,13 @@ def estimate(
     _require_float64()
     prior = exact(replace(robot or consistent(), campaign.robot))
     problem = _Problem.of(campaign, prior, tuple(free), frozenset(hold_out))
-    progress("first guesses", 0.0)
-    starts = _starts(problem, progress)
-
     rough = problem.on_grid(COARSE_STEP)
+    with concurrent.futures.ThreadPoolExecutor(1) as aside:
+        # Compiling leaves the interpreter free: both grids' functions come along meanwhile.
+        for each in (rough, problem):
+            aside.submit(each.evaluate, problem.at_rest())
+        progress("first guesses", 0.0)
+        starts = _starts(problem, progress)
     ends = []
     for number, start in enumerate(starts):
         share = 0.5 / len(starts)
@@ -227,6 +234,16 @@ class _Problem:
         factor = max(1, round(step / float(np.median(duration[duration > 0]))))
         return dataclasses.replace(self, records=coarse(self.records, factor))
 
+    def at_rest(self) -> Float[np.ndarray, " n"]:
+        """The point of the prior robot, every run starting where it was seen to."""
+        unknowns = self.unknowns
+        point = np.concatenate(
+            [start_values(self.prior, unknowns), np.zeros(5 * len(self.runs))]
+        )
+        for row, run in enumerate(self.cabled):
+            point[unknowns.of_run(run)[len(unknowns.free) :][:3]] = self.records.known[row, :3]
+        return point
+
     def measurements(self) -> int:
         """Number of measurements that say something about the shared quantities."""
         count = 0
@@ -285,16 +302,11 @@ class _Problem:
 def _starts(problem: _Problem, progress: Progress) -> list[np.ndarray]:
     """Points to begin at: the best valleys of the scan."""
     unknowns = problem.unknowns
-    base = np.concatenate(
-        [start_values(problem.prior, unknowns), np.zeros(5 * len(problem.runs))]
-    )
-    for row, run in enumerate(problem.cabled):
-        base[unknowns.of_run(run)[len(unknowns.free) :][:3]] = problem.records.known[row, :3]
-    base = _drives_alone(problem, base)
+    base = _drives_alone(problem, problem.at_rest())
     scanned = {"friction_coefficient", PER_SETTING} & set(unknowns.free)
     if problem.records is None or PER_SETTING not in scanned:
         return [_with_knocks(problem, base)]
-    rough = problem.on_grid(COARSE_STEP)
+    rough = problem.on_grid(SCAN_STEP)
     points = [base.copy() for _ in range(STARTS)]
     friction = np.zeros((STARTS, 0))
     labels = sorted({label for name, label in unknowns.shared if name == PER_SETTING})

@@ -19,10 +19,10 @@ from identification.record import Record
 LANES = 240
 """Simulations side by side; a fixed number, so that one compilation serves every scan."""
 
-PRETENSIONS = tuple(float(t) for t in 15 * 1.05 ** np.arange(80))
-"""Effective pretensions to try [N]: 5 % apart, as far as the phase of a few periods goes."""
+PRETENSIONS = tuple(float(t) for t in 15 * 1.06 ** np.arange(68))
+"""Effective pretensions to try [N]: 6 % apart, as far as the phase of a few periods goes."""
 
-FRICTION_FORCES = tuple(float(f) for f in 0.5 * 1.4 ** np.arange(12))
+FRICTION_FORCES = tuple(float(f) for f in 0.6 * 1.5 ** np.arange(9))
 """Friction forces of a carriage to try, 4Tμ [N]."""
 
 KNOCKS = tuple(float(f) for s in (-1, 1) for f in s * 2.0 * 1.25 ** np.arange(20))

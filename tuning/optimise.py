@@ -47,6 +47,8 @@ TENSIONS = (1.0, 0.99, 1.01)
 """Shares of the effective pretension that a design is tried at [1], the first as fitted."""
 WEIGHTS = np.array([0.5, 0.25, 0.25])
 """How much each of them counts [1]."""
+IMPULSES = 4
+"""Impulses of an optimised shaper."""
 LANES = 96
 """Manoeuvres simulated side by side."""
 HOLD = 1.0
@@ -206,7 +208,7 @@ class _Search(NamedTuple):
 def optimise(
     task: Task,
     *,
-    impulses: int = 4,
+    impulses: int = IMPULSES,
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     seed: int = 0,
@@ -248,16 +250,6 @@ def optimise(
             total += np.asarray(each) @ WEIGHTS / len(baseline)
         return total
 
-    def total(flat: Float[Array, " n"]) -> Float[Array, ""]:
-        design = unflatten(flat)
-        pd, shaper = _at(COARSE_PERIOD, controller_of(task.robot, design)), shaper_of(design)
-        each = []
-        for leg, before in baseline.items():
-            samples = samples_for(leg, COARSE_PERIOD)
-            after = track(task, pd, shaper, jnp.asarray(leg), samples=samples).scores
-            each.append(loss(after, jax.tree.map(lambda leaf: leaf[0], before)))
-        return sum(each) / len(each)
-
     search = _Search(np.asarray(template), _widths(impulses), np.asarray(template), np.inf)
     random = np.random.default_rng(seed)
     for generation in range(effort.generations):
@@ -267,7 +259,12 @@ def optimise(
         search = _learn(search, designs, population_losses(designs))
     best, least = search.best, search.loss
     if effort.descents:
-        descended = _descend(total, jnp.asarray(best), effort.descents, progress)
+        fitted = tuple(jax.tree.map(lambda leaf: leaf[0], b) for b in baseline.values())
+
+        def slope(flat: Float[Array, " n"]) -> tuple[Float[Array, ""], Float[Array, " n"]]:
+            return _slope(flat, task, fitted, impulses=impulses, leg_times=tuple(leg_times))
+
+        descended = _descend(slope, jnp.asarray(best), effort.descents, progress)
         candidates = np.stack([best, descended])
         tried = population_losses(np.resize(candidates, (effort.population, best.size)))[:2]
         best, least = candidates[np.argmin(tried)], float(np.min(tried))
@@ -415,8 +412,39 @@ def _learn(
     )
 
 
+@functools.partial(jax.jit, static_argnames=("impulses", "leg_times"))
+def _slope(
+    flat: Float[Array, " n"],
+    task: Task,
+    baseline: tuple[Scores, ...],
+    *,
+    impulses: int,
+    leg_times: tuple[float, ...],
+) -> tuple[Float[Array, ""], Float[Array, " n"]]:
+    """Mean loss of a design at the pretension as fitted, and its gradient.
+
+    Forward mode: there are a handful of numbers, and nothing of the run is stored.
+    """
+    _, unflatten = jax.flatten_util.ravel_pytree(_first(impulses))
+
+    def total(flat: Float[Array, " n"]) -> Float[Array, ""]:
+        design = unflatten(flat)
+        pd, shaper = _at(COARSE_PERIOD, controller_of(task.robot, design)), shaper_of(design)
+        each = []
+        for leg, before in zip(leg_times, baseline, strict=True):
+            samples = samples_for(leg, COARSE_PERIOD)
+            after = track(task, pd, shaper, jnp.asarray(leg), samples=samples).scores
+            each.append(loss(after, before))
+        return sum(each) / len(each)
+
+    along = functools.partial(jax.jvp, total, (flat,))
+    basis = jnp.eye(flat.size, dtype=flat.dtype)
+    values, slopes = jax.vmap(lambda direction: along((direction,)))(basis)
+    return values[0], slopes
+
+
 def _descend(
-    total: Callable[[Float[Array, " n"]], Float[Array, ""]],
+    slope: Callable[[Float[Array, " n"]], tuple[Float[Array, ""], Float[Array, " n"]]],
     point: Float[Array, " n"],
     steps: int,
     progress: Progress,
@@ -424,14 +452,12 @@ def _descend(
     """Adam from a point, keeping the best: a step over a sticking instant may lose."""
     optimiser = optax.chain(optax.clip_by_global_norm(1.0), optax.adam(1e-2))
     memory = optimiser.init(point)
-    evaluate = jax.jit(jax.vmap(lambda x, along: jax.jvp(total, (x,), (along,)), (None, 0)))
-    basis = jnp.eye(point.size, dtype=point.dtype)
     best, least = point, np.inf
     for number in range(steps):
         progress("gains and shaper: descent", number / steps)
-        values, slope = evaluate(point, basis)
-        if float(values[0]) < least:
-            best, least = point, float(values[0])
-        change, memory = optimiser.update(slope, memory, point)
+        value, gradient = slope(point)
+        if float(value) < least:
+            best, least = point, float(value)
+        change, memory = optimiser.update(gradient, memory, point)
         point = optax.apply_updates(point, change)
     return np.asarray(best)

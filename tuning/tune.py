@@ -16,6 +16,7 @@ from tuning.cells import Cell, Frequencies, cells_of, robot_in
 from tuning.margins import sampled_margins
 from tuning.optimise import (
     COARSE_PERIOD,
+    IMPULSES,
     LEG_TIMES,
     Effort,
     Progress,
@@ -124,7 +125,8 @@ def tune(
         )
     progress("manoeuvres before and after", 0.9)
     predicted = tuple(
-        _predict(task, found.controller, found.shaper, leg_time) for leg_time in leg_times
+        _predict(task, found.controller, found.shaper, leg_time, longest=max(leg_times))
+        for leg_time in leg_times
     )
     plant = MotorPlant(gain=drive_gain(task.robot.drive), pole=drive_pole(task.robot.drive))
     return Tuning(
@@ -236,26 +238,45 @@ def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
     )
 
 
-def _predict(task: Task, controller: PD, shaper: Shaper, leg_time: float) -> Prediction:
+_run = jax.jit(track, static_argnames="samples")
+
+
+def prepare(robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES) -> None:
+    """Compile what `tune` will run, on any robot, as it takes longer than running it.
+
+    Args:
+        robot: Any robot with the numbers of an ordinary one.
+        leg_times: Times of a leg that the design will be optimised for [s].
+    """
+    robot = exact(robot)
+    start, turn = (jnp.asarray([share * float(robot.frame.width), 0.5]) for share in _SPAN)
+    task = Task(robot, start, turn)
+    optimise(task, leg_times=leg_times, effort=Effort(generations=1, descents=1))
+    _predict(task, published_pd(), unshaped(IMPULSES), leg_times[0], longest=max(leg_times))
+
+
+def _predict(
+    task: Task, controller: PD, shaper: Shaper, leg_time: float, *, longest: float
+) -> Prediction:
     """A manoeuvre at the controllers' own rate, before and after."""
-    run = jax.jit(track, static_argnames="samples")
     leg = jnp.asarray(leg_time)
     count = shaper.times.size
 
     def simulate(pd: PD, impulses: Shaper) -> tuple[Metrics, TrackingRun]:
-        samples = samples_for(leg_time, float(pd.period))
-        found = run(task, pd, impulses, leg, samples=samples)
+        # As many for every leg time, so that it compiles once; the rest is cut off.
+        most, samples = (samples_for(t, float(pd.period)) for t in (longest, leg_time))
+        found = _run(task, pd, impulses, leg, samples=most)
         position = np.asarray(found.run.states.position)[:, [0, 4]]
         numbers = {
             field.name: float(getattr(found.scores, field.name))
             for field in dataclasses.fields(Metrics)
         }
         return Metrics(**numbers), TrackingRun(
-            time=np.asarray(found.run.time),
-            reference=np.asarray(found.reference),
-            commanded=np.asarray(found.commanded),
-            position=position,
-            voltage=np.asarray(found.run.voltage),
+            time=np.asarray(found.run.time)[:samples],
+            reference=np.asarray(found.reference)[:samples],
+            commanded=np.asarray(found.commanded)[:samples],
+            position=position[:samples],
+            voltage=np.asarray(found.run.voltage)[: samples - 1],
         )
 
     before, run_before = simulate(published_pd(), _padded(unshaped(), count))
