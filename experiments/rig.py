@@ -66,6 +66,19 @@ KNOCKS = (
 """Pose [m], force [N] and whether the drives hold the pose, of each knock."""
 
 
+DEMONSTRATED = (
+    "0001-torque-step",
+    "0003-torque-step",
+    "0005-manoeuvre",
+    "0008-pseudo-impulse",
+    "0009-pseudo-impulse",
+    "0010-pseudo-impulse",
+    "0013-motor-step",
+    "0014-motor-step",
+)
+"""Runs that `scdpr demo` makes do with: enough for every parameter, in half the time."""
+
+
 class Truth(NamedTuple):
     """What the virtual rig knows and the fit has to find."""
 

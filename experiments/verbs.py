@@ -11,7 +11,9 @@ from experiments.runtime import set_up, shown_progress, stage
 
 Folder = Annotated[pathlib.Path, tyro.conf.Positional]
 
-OUT = Console(highlight=False, soft_wrap=True)
+OUT = Console(highlight=False, width=max(120, Console().width))
+"""Wide enough for the tables: a narrow terminal wraps them, and nothing is cut."""
+
 ERRORS = Console(stderr=True, highlight=False)
 
 
@@ -37,7 +39,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         truth = rig.draw_truth(seed)
         made = rig.campaign(truth, seed, progress=stage(progress, 0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)
-        write_campaign(made, logs)
+        write_campaign(made.with_runs(rig.DEMONSTRATED), logs)
         calibration = calibrate(read_campaign(logs), progress=stage(progress, 0.2, 0.95))
         progress("report", 0.95)
         written = write_calibration(calibration, out, truth=truth.values)
@@ -236,6 +238,57 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
     summary.show_tuning(OUT, tuned)
     _wrote(out / "tuning.json")
     _next(f"scdpr simulate --parameters {parameters} --tuning {out / 'tuning.json'} --out DIR")
+    return DONE
+
+
+def simulate(
+    parameters: pathlib.Path,
+    out: pathlib.Path,
+    manoeuvre: str = "horizontal",
+    leg_time: str = "2 s",
+    setting: str | None = None,
+    tuning: pathlib.Path | None = None,
+) -> int:
+    """Simulate a manoeuvre of Table 3 with a fitted robot.
+
+    Args:
+        parameters: parameters.json of `scdpr identify` or `scdpr calibrate`.
+        out: Folder for simulation.csv.
+        manoeuvre: horizontal, vertical or diagonal.
+        leg_time: Time of one leg, with its unit.
+        setting: Nominal pretension, "350 N"; default: the first of the parameters.
+        tuning: tuning.json for its gains and shaper; default: the PD of Eq. (25) alone.
+    """
+    set_up()
+    import numpy as np
+
+    from experiments import simulated_run
+    from experiments.parameters_file import read_parameters
+    from identification.quantities import parse_quantity
+    from scdpr_jax.files import write_whole
+    from tuning.document import read_tuning
+
+    fitted = read_parameters(parameters)
+    label = setting or (fitted.settings[0] if fitted.settings else "0 N")
+    pretension = parse_quantity(label, unit="N", name="--setting")
+    leg = parse_quantity(leg_time, unit="s", name="--leg-time")
+    reference = simulated_run.manoeuvre(manoeuvre, leg)
+    tuned = None if tuning is None else read_tuning(tuning)
+    with ERRORS.status("simulating"):
+        run, commanded = simulated_run.simulate(
+            fitted.of_setting(label), reference, tuned, pretension
+        )
+    write_whole(out / "simulation.csv", simulated_run.table(run, commanded))
+    x = np.asarray(run.states.position)[:, 0]
+    rested = np.asarray(run.time) >= float(run.time[-1]) - simulated_run.HOLD
+    pose = np.asarray(run.states.position)[:, [0, 4]]
+    error = np.hypot(*(commanded - pose).T)
+    OUT.print(
+        f"Largest error, Eq. (26): {1e3 * error.max():.1f} mm. Vibration after the arrival: "
+        f"{1e3 * np.ptp(x[rested]):.2f} mm peak to peak. Largest command: "
+        f"{np.abs(np.asarray(run.voltage)).max():.2f} V."
+    )
+    _wrote(out / "simulation.csv")
     return DONE
 
 

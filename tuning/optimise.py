@@ -87,7 +87,7 @@ class Effort(NamedTuple):
 
     population: int = 32
     """Designs of a generation."""
-    generations: int = 16
+    generations: int = 12
     """Generations."""
     descents: int = 8
     """Steps of gradient descent that follow."""

@@ -104,7 +104,8 @@ def tune(
     # The middle setting stands for the others where the gains are concerned.
     setting = settings[len(settings) // 2]
     reference = _reference_cell(cells[setting], robots[setting])
-    task = _task(reference, robots[setting], height=_table_height(reference, robots[setting]))
+    # What is promised for Table 3 is promised for the fitted robot as it is.
+    task = _task(robots[setting], height=_HEIGHT * float(robots[setting].frame.height))
     found = optimise(
         task,
         leg_times=leg_times,
@@ -139,22 +140,20 @@ def tune(
 
 
 def _reference_cell(cells: tuple[Cell, ...], robot: Robot) -> Cell:
-    """The measured cell nearest to the height of Table 3, or any if none is measured."""
-    height = _HEIGHT * float(robot.frame.height)
-    candidates = [cell for cell in cells if cell.measured] or list(cells)
-    return min(candidates, key=lambda cell: abs(cell.height - height))
+    """The cell in which Table 3's horizontal manoeuvre ends."""
+    x, y = _SPAN[0] * float(robot.frame.width), _HEIGHT * float(robot.frame.height)
+    return next(
+        cell
+        for cell in cells
+        if cell.region.x[0] <= x <= cell.region.x[1]
+        and cell.region.y[0] <= y <= cell.region.y[1]
+    )
 
 
-def _table_height(cell: Cell, robot: Robot) -> float:
-    height = _HEIGHT * float(robot.frame.height)
-    low, high = cell.region.y
-    return height if low <= height <= high else cell.height
-
-
-def _task(cell: Cell, robot: Robot, *, height: float) -> Task:
+def _task(robot: Robot, *, height: float) -> Task:
     width = float(robot.frame.width)
     start, turn = (jnp.asarray([share * width, height]) for share in _SPAN)
-    return Task(robot_in(cell, robot), start, turn)
+    return Task(robot, start, turn)
 
 
 def _shapers(
@@ -169,7 +168,7 @@ def _shapers(
     """The best shaper of each cell; that of the reference cell is the optimised one."""
     coarse = PD(controller.proportional_gain, controller.derivative_gain, COARSE_PERIOD)
     candidates = [_candidates(cell, optimised, reference) for cell in cells]
-    tasks = [_task(cell, robot, height=cell.height) for cell in cells]
+    tasks = [_task(robot_in(cell, robot), height=cell.height) for cell in cells]
     each = jax.tree.map(lambda *leaves: jnp.stack(leaves), *tasks)
     many = jax.tree.map(lambda leaf: jnp.repeat(leaf, len(candidates[0]), axis=0), each)
     tried = jax.tree.map(
@@ -248,9 +247,7 @@ def prepare(robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES) -> None:
         robot: Any robot with the numbers of an ordinary one.
         leg_times: Times of a leg that the design will be optimised for [s].
     """
-    robot = exact(robot)
-    start, turn = (jnp.asarray([share * float(robot.frame.width), 0.5]) for share in _SPAN)
-    task = Task(robot, start, turn)
+    task = _task(exact(robot), height=_HEIGHT * float(robot.frame.height))
     optimise(task, leg_times=leg_times, effort=Effort(generations=1, descents=1))
     _predict(task, published_pd(), unshaped(IMPULSES), leg_times[0], longest=max(leg_times))
 
