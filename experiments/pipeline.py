@@ -16,6 +16,7 @@ from identification.frequency_map import FrequencyMap, frequency_map, write_freq
 from identification.unknowns import DEFAULT_FREE
 from scdpr_jax.prototype import consistent
 from tuning.document import write_tuning
+from tuning.optimise import LEG_TIMES, Effort
 from tuning.tune import prepare, tune
 from tuning.types import Tuning
 
@@ -75,6 +76,8 @@ def calibrate(
     *,
     free: Sequence[str] | None = None,
     hold_out: Sequence[str] | None = None,
+    leg_times: tuple[float, ...] = LEG_TIMES,
+    effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     progress: Progress = lambda doing, share: None,
 ) -> Calibration:
     """Parameters, frequencies, gains and shapers of a campaign.
@@ -85,6 +88,8 @@ def calibrate(
             drives' dry friction too where the residuals are more than noise without it.
         hold_out: Names of the runs to predict instead of fitting them; None for
             `held_out_by_default`.
+        leg_times: Times of a leg that the tuning is made for [s].
+        effort: How much is spent on the tuning.
         progress: Told what is being done and which share of it is done.
 
     Returns:
@@ -97,7 +102,7 @@ def calibrate(
     names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
-        compiled = aside.submit(prepare, consistent())
+        compiled = aside.submit(prepare, consistent(), leg_times=leg_times, effort=effort)
         found, notes = _fitted(campaign, free, names, progress)
         compiled.result()
     progress("ring-downs", 0.7)
@@ -109,7 +114,13 @@ def calibrate(
             notes += [f"{name}: {why}" for name, why in frequencies.unresolved]
         except ValueError as error:
             notes.append(f"No frequency map: {error}")
-    tuned = tune(found, frequencies, progress=stage(progress, 0.75, 0.95))
+    tuned = tune(
+        found,
+        frequencies,
+        leg_times=leg_times,
+        effort=effort,
+        progress=stage(progress, 0.75, 0.95),
+    )
     return Calibration(campaign, found, frequencies, tuned, tuple(notes))
 
 

@@ -144,9 +144,9 @@ def show_axis(
 def _parameters(rows: Sequence[Row], *, with_truth: bool) -> Table:
     table = Table(box=None, pad_edge=False, header_style="bold")
     for name in ("quantity", "setting"):
-        table.add_column(name)
+        table.add_column(name, no_wrap=True)
     for name in ("value", "95 % from", "to"):
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="right", no_wrap=True)
     table.add_column("unit")
     table.add_column("±", justify="right")
     table.add_column("status")

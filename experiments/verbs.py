@@ -11,7 +11,7 @@ from experiments.runtime import set_up, shown_progress, stage
 
 Folder = Annotated[pathlib.Path, tyro.conf.Positional]
 
-OUT = Console(highlight=False, width=max(120, Console().width))
+OUT = Console(highlight=False, width=max(140, Console().width))
 """Wide enough for the tables: a narrow terminal wraps them, and nothing is cut."""
 
 ERRORS = Console(stderr=True, highlight=False)
@@ -28,6 +28,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
     from experiments import rig, summary
     from experiments.pipeline import calibrate, write_calibration
     from identification.campaign import read_campaign, write_campaign
+    from tuning.optimise import LEG_TIMES, Effort
 
     logs = out / "campaign"
     if logs.exists():
@@ -40,7 +41,13 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         made = rig.campaign(truth, seed, progress=stage(progress, 0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)
         write_campaign(made.with_runs(rig.DEMONSTRATED), logs)
-        calibration = calibrate(read_campaign(logs), progress=stage(progress, 0.2, 0.95))
+        # One leg time and no descent: a demonstration has to be quick.
+        calibration = calibrate(
+            read_campaign(logs),
+            leg_times=LEG_TIMES[:1],
+            effort=Effort(descents=0),
+            progress=stage(progress, 0.2, 0.95),
+        )
         progress("report", 0.95)
         written = write_calibration(calibration, out, truth=truth.values)
     summary.show(

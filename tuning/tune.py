@@ -240,15 +240,22 @@ def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
 _run = jax.jit(track, static_argnames="samples")
 
 
-def prepare(robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES) -> None:
+def prepare(
+    robot: Robot,
+    *,
+    leg_times: tuple[float, ...] = LEG_TIMES,
+    effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
+) -> None:
     """Compile what `tune` will run, on any robot, as it takes longer than running it.
 
     Args:
         robot: Any robot with the numbers of an ordinary one.
         leg_times: Times of a leg that the design will be optimised for [s].
+        effort: How much will be spent.
     """
     task = _task(exact(robot), height=_HEIGHT * float(robot.frame.height))
-    optimise(task, leg_times=leg_times, effort=Effort(generations=1, descents=1))
+    once = Effort(effort.population, generations=1, descents=min(effort.descents, 1))
+    optimise(task, leg_times=leg_times, effort=once)
     _predict(task, published_pd(), unshaped(IMPULSES), leg_times[0], longest=max(leg_times))
 
 
