@@ -13,6 +13,7 @@ from identification.unknowns import PER_SETTING
 from scdpr_jax.files import write_whole
 from scdpr_jax.parameters import QUANTITIES, Robot, exact, replace
 from scdpr_jax.prototype import consistent
+from tuning.json_file import read_json
 
 AXIS_UNITS = {"mass": "kg", "viscous": "N s/m", "coulomb": "N", "offset": "N"}
 """SI units of a linear axis's parameters."""
@@ -192,21 +193,7 @@ def read_parameters(path: pathlib.Path) -> FittedRobot:
     Raises:
         ValueError: If the file isn't what `scdpr identify` writes; says where.
     """
-    path = pathlib.Path(path)
-    try:
-        found = FittedRobot.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise ValueError(
-            f"{path}: can't be read, got {error.strerror}, expected a parameters.json. Run "
-            "`scdpr identify` or `scdpr calibrate` first."
-        ) from None
-    except pydantic.ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "the file"
-        raise ValueError(
-            f"{path}: {where} is wrong, got {str(first['input'])[:60]!r}: {first['msg']}. "
-            "Expected what `scdpr identify` writes; write it anew."
-        ) from None
+    found = read_json(path, FittedRobot, expected="a parameters.json", verb="identify")
     units = {quantity.name: quantity.unit for quantity in QUANTITIES}
     for row in found.parameters:
         if row.name in units and row.unit != units[row.name]:

@@ -10,7 +10,7 @@ import numpy as np
 from experiments.parameters_file import write_parameters
 from experiments.report import write_report
 from experiments.runtime import stage
-from identification.campaign import Campaign, read_campaign
+from identification.campaign import Campaign
 from identification.estimate import Estimate, estimate
 from identification.frequency_map import FrequencyMap, frequency_map, write_frequencies
 from identification.unknowns import DEFAULT_FREE
@@ -193,39 +193,6 @@ def write_calibration(
         notes=list(calibration.notes),
     )
     return (*written, tuning)
-
-
-def read_for_use(path: pathlib.Path, *, skip_bad_runs: bool) -> Campaign:
-    """Read a campaign.
-
-    Args:
-        path: Its folder.
-        skip_bad_runs: Whether to go on without runs that have faults.
-
-    Returns:
-        The campaign.
-
-    Raises:
-        CampaignError: If it has faults.
-    """
-    return read_campaign(path, skip_bad_runs=skip_bad_runs)
-
-
-def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
-    """Refuse to write results among the logs, where they would pass for a run.
-
-    Args:
-        out: Where results shall go.
-        campaign: The campaign's folder.
-
-    Raises:
-        ValueError: If `out` is the campaign's folder or inside it.
-    """
-    if out.resolve().is_relative_to(campaign.resolve()):
-        raise ValueError(
-            f"`--out` must be outside the campaign, got {out} inside {campaign}: a folder in "
-            "a campaign is a run. Name another folder."
-        )
 
 
 def _notes(campaign: Campaign, found: Estimate) -> list[str]:

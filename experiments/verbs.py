@@ -7,6 +7,7 @@ import tyro
 from rich.console import Console
 
 from experiments.cli import BAD_INPUT, DONE, FELL_SHORT
+from experiments.places import require_outside
 from experiments.runtime import set_up, shown_progress, stage
 
 Folder = Annotated[pathlib.Path, tyro.conf.Positional]
@@ -87,9 +88,10 @@ def calibrate(
     """
     set_up()
     from experiments import pipeline, summary
+    from identification.campaign import read_campaign
 
-    pipeline.require_outside(out, campaign)
-    read = pipeline.read_for_use(campaign, skip_bad_runs=skip_bad_runs)
+    require_outside(out, campaign)
+    read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
         calibration = pipeline.calibrate(
             read,
@@ -159,13 +161,14 @@ def identify(
         hold_out: Runs to predict instead of fitting them.
     """
     set_up()
-    from experiments import pipeline, summary
+    from experiments import summary
     from experiments.parameters_file import write_parameters
+    from identification.campaign import read_campaign
     from identification.estimate import estimate
     from identification.unknowns import DEFAULT_FREE
 
-    pipeline.require_outside(out, campaign)
-    read = pipeline.read_for_use(campaign, skip_bad_runs=skip_bad_runs)
+    require_outside(out, campaign)
+    read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
         found = estimate(read, free=free or DEFAULT_FREE, hold_out=hold_out, progress=progress)
     write_parameters(out / "parameters.json", found)
@@ -210,11 +213,12 @@ def frequencies(campaign: Folder, /, out: pathlib.Path, skip_bad_runs: bool = Fa
         out: Folder for frequencies.csv.
         skip_bad_runs: Go on without runs that have faults, and say which.
     """
-    from experiments import pipeline, summary
+    from experiments import summary
+    from identification.campaign import read_campaign
     from identification.frequency_map import frequency_map, write_frequencies
 
-    pipeline.require_outside(out, campaign)
-    found = frequency_map(pipeline.read_for_use(campaign, skip_bad_runs=skip_bad_runs))
+    require_outside(out, campaign)
+    found = frequency_map(read_campaign(campaign, skip_bad_runs=skip_bad_runs))
     write_frequencies(found, out / "frequencies.csv")
     summary.show_frequencies(OUT, found)
     _wrote(out / "frequencies.csv")

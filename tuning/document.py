@@ -12,6 +12,7 @@ import pydantic
 from scdpr_jax.controller import PD
 from scdpr_jax.files import write_whole
 from scdpr_jax.shaper import Shaper
+from tuning.json_file import read_json
 from tuning.margins import Margins
 from tuning.types import (
     Metrics,
@@ -91,21 +92,7 @@ def read_tuning(path: pathlib.Path) -> Tuning:
     Raises:
         ValueError: If the file isn't what `scdpr tune` writes; says where.
     """
-    path = pathlib.Path(path)
-    try:
-        found = _Document.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise ValueError(
-            f"{path}: can't be read, got {error.strerror}, expected a tuning.json. Run "
-            "`scdpr tune` or `scdpr calibrate` first."
-        ) from None
-    except pydantic.ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "the file"
-        raise ValueError(
-            f"{path}: {where} is wrong, got {str(first['input'])[:60]!r}: {first['msg']}. "
-            "Expected what `scdpr tune` writes; write it anew."
-        ) from None
+    found = read_json(path, _Document, expected="a tuning.json", verb="tune")
     gains = found.controller
     return Tuning(
         controller=PD(

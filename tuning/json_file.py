@@ -1,0 +1,40 @@
+"""Reading the JSON files that the verbs write, with one clear error."""
+
+import pathlib
+from typing import TypeVar
+
+import pydantic
+
+_Model = TypeVar("_Model", bound=pydantic.BaseModel)
+
+
+def read_json(path: pathlib.Path, model: type[_Model], *, expected: str, verb: str) -> _Model:
+    """Read a JSON file as a model.
+
+    Args:
+        path: The file.
+        model: What it has to hold.
+        expected: Name of such a file, with its article: "a tuning.json".
+        verb: The verb that writes it, "tune".
+
+    Returns:
+        What it holds.
+
+    Raises:
+        ValueError: If it can't be read or holds something else; says where.
+    """
+    path = pathlib.Path(path)
+    try:
+        return model.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise ValueError(
+            f"{path}: can't be read, got {error.strerror}, expected {expected}. Run "
+            f"`scdpr {verb}` or `scdpr calibrate` first."
+        ) from None
+    except pydantic.ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "the file"
+        raise ValueError(
+            f"{path}: {where} is wrong, got {str(first['input'])[:60]!r}: {first['msg']}. "
+            f"Expected what `scdpr {verb}` writes; write it anew."
+        ) from None
