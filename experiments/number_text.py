@@ -73,11 +73,11 @@ def plain(value: float, digits: int = 2) -> str:
         digits: Significant digits; more before the decimal point are kept.
 
     Returns:
-        The number.
+        The number; 0 for one below the last of 12 decimals, which is rounding.
     """
     if not math.isfinite(value):
         return short(value)
-    if value == 0:
+    if abs(value) < 10.0**-_MOST_DECIMALS:
         return "0"
     places = digits - 1 - math.floor(math.log10(abs(value)))
     return _minus(f"{value:.{min(max(places, 0), _MOST_DECIMALS)}f}")

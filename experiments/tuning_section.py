@@ -184,8 +184,8 @@ def region_name(one: RegionalShaper) -> str:
 _COMPARED = (
     ("vibration after arrival [mm]", 1e3, "residual_vibration"),
     ("resting error [mm]", 1e3, "resting_error"),
-    ("largest error, original [mm]", 1e3, "largest_error"),
     ("largest error, commanded [mm]", 1e3, "largest_error"),
+    ("largest error, unshaped [mm]", 1e3, "largest_original_error"),
     ("largest command [V]", 1.0, "largest_voltage"),
     ("saturated [%]", 100.0, "saturation"),
 )

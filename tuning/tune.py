@@ -43,6 +43,14 @@ _SPAN = (0.3 / 2.224, 1.9 / 2.224)
 """Ends of Table 3's horizontal manoeuvre, as shares of the frame's width [1]."""
 _HEIGHT = 0.55 / 1.112
 """Its height, as a share of the frame's [1]."""
+_JUDGED = {
+    "residual_vibration": "residual vibration",
+    "resting_error": "resting error",
+    "largest_error": "largest error against the commanded reference",
+    "rms_error": "rms error against the commanded reference",
+    "largest_original_error": "largest error against the unshaped reference (a shaper delays)",
+}
+"""Metrics that a note tells of where they became worse, by their field's name."""
 _BAND_POINTS = 9
 """Frequencies at which a band is looked at; a shaper of 1 s has no structure between."""
 
@@ -299,9 +307,9 @@ def _notes(shapers: list[RegionalShaper], predicted: tuple[Prediction, ...]) -> 
         )
     for prediction in predicted:
         worse = [
-            field.name.replace("_", " ")
-            for field in dataclasses.fields(Metrics)[:5]
-            if getattr(prediction.after, field.name) > getattr(prediction.before, field.name)
+            told
+            for name, told in _JUDGED.items()
+            if getattr(prediction.after, name) > getattr(prediction.before, name)
         ]
         if worse:
             notes.append(f"{prediction.name}: worse than before in {', '.join(worse)}.")

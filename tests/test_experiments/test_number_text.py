@@ -47,3 +47,8 @@ def test_both_parts_of_a_number_make_it_up():
 def test_a_sentence_begins_with_a_capital_and_keeps_its_names():
     assert capitalised("horizontal PD run") == "Horizontal PD run"
     assert capitalised("") == ""
+
+
+def test_what_is_rounding_is_printed_as_zero():
+    assert percent(3e-17) == "0 %"
+    assert plain(-5e-13) == "0"
