@@ -9,7 +9,7 @@ from jax.test_util import check_grads
 
 from scdpr_jax.closed_loop import closed_loop, joint_references, pulley_angles, sampled_loop
 from scdpr_jax.controller import PD, published_pd
-from scdpr_jax.dynamics import State, rest
+from scdpr_jax.dynamics import State, masses, rest
 from scdpr_jax.kinematics import forward_kinematics
 from scdpr_jax.parameters import replace, smoothed
 from scdpr_jax.prototype import consistent
@@ -111,7 +111,10 @@ def test_robot_that_is_where_it_should_be_stays():
     start = placed(0.7, 0.7, 0.5)
     found = run(ROBOT, start, jnp.tile(jnp.array([0.7, 0.5]), (TIMES.size, 1)))
     assert jnp.array_equal(found.voltage, jnp.zeros((TIMES.size - 1, 2)))
-    assert jnp.array_equal(found.states.velocity[:, 2:], jnp.zeros((TIMES.size, 3)))
+    assert jnp.array_equal(found.states.velocity[:, 2:4], jnp.zeros((TIMES.size, 2)))
+    # Nothing holds the height: the rounding of its cables' pull, 4T, may push it all along.
+    push = 8 * jnp.finfo(float).eps * 4 * ROBOT.cable.effective_pretension
+    assert jnp.max(jnp.abs(found.states.velocity[:, 4])) <= push / masses(ROBOT)[4] * TIMES[-1]
 
 
 def test_first_reference_is_where_the_robot_is_taken_to_be():
