@@ -458,6 +458,8 @@ def _descend(
         value, gradient = slope(point)
         if float(value) < least:
             best, least = point, float(value)
-        change, memory = optimiser.update(gradient, memory, point)
+        # Adam's bias correction mixes a float with a counter, which strict promotion refuses.
+        with jax.numpy_dtype_promotion("standard"):
+            change, memory = optimiser.update(gradient, memory, point)
         point = optax.apply_updates(point, change)
     return np.asarray(best)
