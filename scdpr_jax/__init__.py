@@ -1,5 +1,6 @@
 """The planar cable robot with a single cable loop: a differentiable model."""
 
+from scdpr_jax.batches import in_chunks as in_chunks
 from scdpr_jax.cable import cable_angles as cable_angles
 from scdpr_jax.cable import loop_forces as loop_forces
 from scdpr_jax.cable import potential as potential
