@@ -1,22 +1,30 @@
 """The robot's motion event by event: slow, and so simple that one can see that it is right.
 
-Written anew from the paper's Eqs. (4), (7), (8), (16) and (21), without `scdpr_jax`. Each
-carriage slides forwards (+1), backwards (-1) or sticks (0). Between events the motion is
-smooth, and DOP853 follows it to rounding; an event is where a sliding carriage's velocity
-or a sticking one's reserve of friction crosses zero, found on the integrator's own dense
-output. Within one interval of the inputs, events closer than an eighth of a solver's step
-to the one before could be missed.
+Written anew from the paper's Eqs. (4), (7), (8), (16), (18) and (21), without `scdpr_jax`.
+Each carriage slides forwards (+1), backwards (-1) or sticks (0). Between events the motion is
+smooth: DOP853 follows the nonlinear robot, a matrix exponential the linear one. An event is
+where a sliding carriage's velocity or a sticking one's reserve of friction passes zero.
+
+Events are looked for at `LOOKS` places of each stretch of at most `STRETCH`, and in each dip
+between them. Missed could be what leaves a mode and is back in it between two neighbouring
+places without a dip at a place: two dips in an eighth of a stretch, or one beside its end.
 """
 
 import dataclasses
 import itertools
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+from scipy.linalg import expm
+from scipy.optimize import brentq, minimize_scalar
 
 LOOKS = 8
-"""Places in a solver's step at which an event is looked for."""
+"""Places in a stretch at which an event is looked for."""
+STRETCH = 5e-3
+"""Longest stretch [s]; the fastest swings of the prototype take some 50 ms."""
+MOST_EVENTS = 1000
+"""Events in one interval beyond which the friction's modes can't be decided."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,61 +55,220 @@ class Numbers:
         m_3, m_4 = self.lower_carriage_mass + drives, self.upper_carriage_mass
         return np.array([m_e, self.end_effector_inertia, m_3, m_4, m_e + drives])
 
-
-def balance(robot, position, velocity, voltage, knock):
-    """Forces without dry friction, and the largest friction of both carriages [N]."""
-    x, tilt, lower, upper, y = position
-    a, b, H = robot.lower_offset, robot.upper_offset, robot.frame_height
-    alpha = np.arctan2(lower - x - a * np.sin(tilt), y - a * np.cos(tilt))
-    beta = np.arctan2(x - upper - b * np.sin(tilt), H - y - b * np.cos(tilt))
-    gamma = np.arctan2(lower - upper, H)
-    T = 2 * robot.effective_pretension
-    tau = robot.torque_per_volt * np.clip(voltage, -robot.voltage_limit, robot.voltage_limit)
-    r = robot.effective_radius
-    drag = 2 * robot.drive_damping / r**2
-    forces = [
-        T * (np.sin(alpha) - np.sin(beta)) + knock,
-        T * (a * np.sin(alpha - tilt) + b * np.sin(beta - tilt)),
-        -T * (np.sin(gamma) + np.sin(alpha)) + (tau[0] + tau[1]) / r - drag * velocity[2],
-        T * (np.sin(gamma) + np.sin(beta)),
-        T * (np.cos(beta) - np.cos(alpha)) + (tau[0] - tau[1]) / r - drag * velocity[4],
-    ]
-    limits = [
-        robot.lower_friction * T * (np.cos(gamma) + np.cos(alpha)),
-        robot.upper_friction * T * (np.cos(gamma) + np.cos(beta)),
-    ]
-    return np.array(forces), np.array(limits)
+    def drives(self, velocity, voltage):
+        """Forces of both drives on q_3 and on y_e, their viscous damping included [N]."""
+        tau = self.torque_per_volt * np.clip(voltage, -self.voltage_limit, self.voltage_limit)
+        drag = 2 * self.drive_damping / self.effective_radius**2
+        pull = np.array([tau[0] + tau[1], tau[0] - tau[1]]) / self.effective_radius
+        return pull[0] - drag * velocity[2], pull[1] - drag * velocity[4]
 
 
-def simulate(robot, start, *, duration, voltage, knock=None):
-    """States at the ends of the intervals, and which carriages stick there.
+class Held(NamedTuple):
+    """What acts through one interval."""
 
-    `start` holds 5 positions and 5 velocities; inputs are held through their interval.
+    duration: float
+    voltage: np.ndarray
+    knock: float
+
+
+class Event(NamedTuple):
+    """A carriage changes its mode: 0 is the lower one, 1 the upper one."""
+
+    time: float
+    carriage: int
+    before: int
+    after: int
+
+
+class Run(NamedTuple):
+    """States at the ends of the intervals, the start first, and what happened between."""
+
+    positions: np.ndarray
+    velocities: np.ndarray
+    sticks: np.ndarray
+    """Which carriages stick at the end of each interval."""
+    events: list[Event]
+
+
+@dataclasses.dataclass(frozen=True)
+class Nonlinear:
+    """The robot with its true angles, Eqs. (4), (7), (8) and (16)."""
+
+    numbers: Numbers
+
+    def balance(self, state, held):
+        """Forces without dry friction, and the largest friction of both carriages [N]."""
+        robot, velocity = self.numbers, state[5:]
+        x, tilt, lower, upper, y = state[:5]
+        a, b, H = robot.lower_offset, robot.upper_offset, robot.frame_height
+        alpha = np.arctan2(lower - x - a * np.sin(tilt), y - a * np.cos(tilt))
+        beta = np.arctan2(x - upper - b * np.sin(tilt), H - y - b * np.cos(tilt))
+        gamma = np.arctan2(lower - upper, H)
+        T = 2 * robot.effective_pretension
+        along, up = robot.drives(velocity, held.voltage)
+        forces = [
+            T * (np.sin(alpha) - np.sin(beta)) + held.knock,
+            T * (a * np.sin(alpha - tilt) + b * np.sin(beta - tilt)),
+            -T * (np.sin(gamma) + np.sin(alpha)) + along,
+            T * (np.sin(gamma) + np.sin(beta)),
+            T * (np.cos(beta) - np.cos(alpha)) + up,
+        ]
+        limits = [
+            robot.lower_friction * T * (np.cos(gamma) + np.cos(alpha)),
+            robot.upper_friction * T * (np.cos(gamma) + np.cos(beta)),
+        ]
+        return np.array(forces), np.array(limits)
+
+    def energy(self, state):
+        """Kinetic energy and the potential of the three pairs of cables [J]."""
+        robot = self.numbers
+        x, tilt, lower, upper, y = state[:5]
+        a, b, H = robot.lower_offset, robot.upper_offset, robot.frame_height
+        lengths = (
+            np.hypot(lower - x - a * np.sin(tilt), y - a * np.cos(tilt))
+            + np.hypot(x - upper - b * np.sin(tilt), H - y - b * np.cos(tilt))
+            + np.hypot(lower - upper, H)
+        )
+        return robot.masses @ state[5:] ** 2 / 2 + 2 * robot.effective_pretension * lengths
+
+    def flow(self, state, modes, held):
+        """The smooth motion in these modes, as long as they last."""
+        return _Integrated(self, state, modes, held)
+
+
+@dataclasses.dataclass(frozen=True)
+class Linear:
+    """The robot near the aligned pose at a height, Eqs. (18) and (21) with its drives."""
+
+    numbers: Numbers
+    height: float
+
+    def balance(self, state, held):
+        """Forces without dry friction, and the largest friction of both carriages [N]."""
+        robot, velocity = self.numbers, state[5:]
+        x, tilt, lower, upper, _ = state[:5]
+        a, b, H = robot.lower_offset, robot.upper_offset, robot.frame_height
+        alpha = (lower - x - a * tilt) / (self.height - a)
+        beta = (x - upper - b * tilt) / (H - self.height - b)
+        gamma = (lower - upper) / H
+        T = 2 * robot.effective_pretension
+        along, up = robot.drives(velocity, held.voltage)
+        forces = [
+            T * (alpha - beta) + held.knock,
+            T * (a * (alpha - tilt) + b * (beta - tilt)),
+            -T * (gamma + alpha) + along,
+            T * (gamma + beta),
+            up,
+        ]
+        limits = 2 * T * np.array([robot.lower_friction, robot.upper_friction])
+        return np.array(forces), np.multiply.outer(limits, np.ones_like(x))
+
+    def flow(self, state, modes, held):
+        """The smooth motion in these modes, as long as they last."""
+        return _Exponential(self, state, modes, held)
+
+
+def slope(system, state, modes, held):
+    """Time derivative of the state while both carriages keep their modes."""
+    forces, limits = system.balance(state, held)
+    for i, mode in enumerate(modes):
+        forces[2 + i] = 0.0 if mode == 0 else forces[2 + i] - mode * limits[i]
+    return np.concatenate([state[5:], forces / system.numbers.masses])
+
+
+class _Integrated:
+    """A smooth motion by DOP853."""
+
+    def __init__(self, system, state, modes, held):
+        self.problem = {
+            "fun": lambda _, at: slope(system, at, modes, held),
+            "y0": state,
+            "method": "DOP853",
+            "rtol": 1e-13,
+            "atol": 1e-16,
+            "max_step": STRETCH,
+        }
+        self.state = state
+
+    def search(self, end):
+        """The motion up to `end`: instants that bound its stretches, and its dense output."""
+        smooth = solve_ivp(t_span=(0.0, end), dense_output=True, **self.problem)
+        return smooth.t, smooth.sol
+
+    def at(self, time):
+        """The state at an instant, not interpolated."""
+        if time == 0:
+            return self.state.copy()
+        return solve_ivp(t_span=(0.0, time), **self.problem).y[:, -1]
+
+
+class _Exponential:
+    """A smooth motion of a linear system, exact at every instant."""
+
+    def __init__(self, system, state, modes, held):
+        constant = slope(system, np.zeros(10), modes, held)
+        columns = [slope(system, unit, modes, held) - constant for unit in np.eye(10)]
+        # One more state, which stays 1, carries the inputs and the friction.
+        self.matrix = np.zeros((11, 11))
+        self.matrix[:10] = np.column_stack([*columns, constant])
+        self.state = np.append(state, 1.0)
+
+    def search(self, end):
+        """The motion up to `end`: instants that bound its stretches, and the motion."""
+        return np.linspace(0.0, end, 1 + int(np.ceil(end / STRETCH))), self._states
+
+    def _states(self, time):
+        if np.ndim(time) == 0:
+            return self.at(time)
+        return np.stack([self.at(t) for t in time], axis=1)
+
+    def at(self, time):
+        """The state at an instant."""
+        return (expm(self.matrix * time) @ self.state)[:10]
+
+
+def simulate(system, start, durations, voltages, knocks):
+    """The run of a system from its `start`, 5 positions and 5 velocities.
+
+    Voltages of both drives [V] and the knock on the end-effector [N] are held through each
+    interval.
     """
-    knock = np.zeros(len(duration)) if knock is None else knock
-    state, modes = np.array(start, dtype=float), None
-    states, sticks = [state], []
-    for held in zip(duration, voltage, knock, strict=True):
-        state, modes = _interval(robot, state, *held)
+    state, begin = np.array(start, dtype=float), 0.0
+    states, sticks, events = [state], [], []
+    modes = None
+    for held in itertools.starmap(Held, zip(durations, voltages, knocks, strict=True)):
+        state, modes, found = _interval(system, state, modes, held)
         states.append(state)
         sticks.append([mode == 0 for mode in modes])
-    return np.array(states), np.array(sticks)
+        events += [event._replace(time=begin + event.time) for event in found]
+        begin += held.duration
+    states = np.array(states)
+    return Run(states[:, :5], states[:, 5:], np.array(sticks), events)
 
 
-def _interval(robot, state, duration, voltage, knock):
-    forces, limits = balance(robot, state[:5], state[5:], voltage, knock)
+def _interval(system, state, modes, held):
+    """The state and the modes at the interval's end, and the events on the way."""
+    forces, limits = system.balance(state, held)
+    before, time, events = modes, 0.0, []
     modes = [_mode(state[7 + i], forces[2 + i], limits[i]) for i in range(2)]
-    time = 0.0
-    while time < duration:
-        time, state, event = _until_event(robot, state, modes, time, duration, voltage, knock)
-        if event is None:
-            break
-        forces, limits = balance(robot, state[:5], state[5:], voltage, knock)
-        if modes[event] == 0:
-            modes[event] = int(np.sign(forces[2 + event]))
-        else:
-            modes[event] = _mode(0.0, forces[2 + event], limits[event])
-    return state, modes
+    if before is not None:
+        # New inputs may break a carriage away at once.
+        changed = [i for i in range(2) if modes[i] != before[i]]
+        events += [Event(0.0, i, before[i], modes[i]) for i in changed]
+    while len(events) < MOST_EVENTS:
+        passed, state, carriage = _to_event(system, state, modes, held, held.duration - time)
+        if carriage is None:
+            return state, modes, events
+        time, was = time + passed, modes[carriage]
+        force, limit = (
+            part[i]
+            for part, i in zip(
+                system.balance(state, held), (2 + carriage, carriage), strict=True
+            )
+        )
+        modes[carriage] = int(np.sign(force)) if was == 0 else _mode(0.0, force, limit)
+        events.append(Event(time, carriage, was, modes[carriage]))
+    raise ArithmeticError(f"more than {MOST_EVENTS} events in {held.duration} s")
 
 
 def _mode(velocity, force, limit):
@@ -110,57 +277,51 @@ def _mode(velocity, force, limit):
     return int(np.sign(force)) if abs(force) > limit else 0
 
 
-def _until_event(robot, state, modes, time, duration, voltage, knock):
-    """Follow the smooth motion to the first event or to the interval's end."""
+def _to_event(system, state, modes, held, remaining):
+    """Time passed, state and carriage of the first event; no carriage at the interval's end."""
+    if remaining <= 0:
+        return 0.0, state, None
+    flow = system.flow(state, modes, held)
+    bounds, path = flow.search(remaining)
+    looks = np.concatenate(
+        [np.linspace(*ends, LOOKS, endpoint=False) for ends in itertools.pairwise(bounds)]
+        + [bounds[-1:]]
+    )
 
-    def slope(_, state):
-        forces, limits = balance(robot, state[:5], state[5:], voltage, knock)
-        for i, mode in enumerate(modes):
-            forces[2 + i] = 0.0 if mode == 0 else forces[2 + i] - mode * limits[i]
-        return np.concatenate([state[5:], forces / robot.masses])
-
-    def reserve(state, i):
+    def reserve(time, i):
         """Positive until carriage `i` leaves its mode."""
+        at = path(time)
         if modes[i] != 0:
-            return modes[i] * state[7 + i]
-        forces, limits = balance(robot, state[:5], state[5:], voltage, knock)
+            return modes[i] * at[7 + i]
+        forces, limits = system.balance(at, held)
         return limits[i] - abs(forces[2 + i])
 
-    smooth = solve_ivp(
-        slope,
-        (time, duration),
-        state,
-        method="DOP853",
-        rtol=1e-12,
-        atol=1e-14,
-        dense_output=True,
-        max_step=5e-3,
-    )
-    looks = np.concatenate(
-        [np.linspace(*ends, LOOKS, endpoint=False) for ends in itertools.pairwise(smooth.t)]
-        + [smooth.t[-1:]]
-    )
-    found = []
-    for i in range(2):
-        reserves = [reserve(smooth.sol(t), i) for t in looks]
-        # What begins an interval at its limit has no reserve there.
-        for k in range(1, len(looks)):
-            if reserves[k] < 0 and (reserves[k - 1] > 0 or k > 1):
-                if reserves[k - 1] > 0:
-                    instant = brentq(
-                        lambda t, i=i: reserve(smooth.sol(t), i),
-                        looks[k - 1],
-                        looks[k],
-                        xtol=1e-16,
-                        rtol=8.9e-16,
-                    )
-                    found.append((instant, i))
-                break
-    if not found:
-        end = smooth.y[:, -1].copy()
-        end[[7 + i for i in range(2) if modes[i] == 0]] = 0.0
-        return duration, end, None
-    instant, event = min(found)
-    at = smooth.sol(instant)
-    at[[7 + i for i in range(2) if modes[i] == 0 or i == event]] = 0.0
-    return instant, at, event
+    crossings = [(_crossing(lambda t, i=i: reserve(t, i), looks), i) for i in range(2)]
+    instant, carriage = min(crossings)
+    carriage, instant = (None, remaining) if np.isinf(instant) else (carriage, instant)
+    state = flow.at(instant)
+    # What sticks rests, and what stops does: the rounding of neither may set it going.
+    state[[7 + i for i in range(2) if modes[i] == 0 or i == carriage]] = 0.0
+    return instant, state, carriage
+
+
+def _crossing(reserve, looks):
+    """First instant at which the reserve falls below zero; infinity without one."""
+    values = reserve(looks)
+    for k in range(1, len(looks)):
+        if values[k] < 0:
+            # What begins at zero, as a break-away does, may rise at first.
+            nearer = [looks[0] + (looks[1] - looks[0]) / 2**n for n in range(50)]
+            before = [looks[k - 1]] if values[k - 1] > 0 else nearer
+            above = [t for t in before if reserve(t) > 0]
+            return _root(reserve, above[0], looks[k]) if above else looks[0]
+        if k > 1 and values[k - 1] < min(values[k - 2], values[k]):
+            lowest = minimize_scalar(reserve, bounds=looks[[k - 2, k]], method="bounded").x
+            if reserve(lowest) < 0:
+                return _root(reserve, looks[k - 2], lowest)
+    return np.inf
+
+
+def _root(function, begin, end):
+    """A zero to the last digit that brentq allows."""
+    return brentq(function, begin, end, xtol=1e-17, rtol=4 * np.finfo(float).eps)

@@ -1,13 +1,10 @@
 """The fixed-grid engine held to the event-by-event reference, which is held to another one."""
 
-import dataclasses
-import json
-import pathlib
-
 import jax
 import numpy as np
 import pytest
-from event_by_event import Numbers, simulate
+from event_by_event import Nonlinear, simulate
+from robot_numbers import numbers_of
 
 from scdpr_jax import stepping
 from scdpr_jax.dynamics import State
@@ -15,14 +12,6 @@ from scdpr_jax.friction import Coulomb
 from scdpr_jax.parameters import replace, value, with_friction
 from scdpr_jax.prototype import consistent
 
-RUNS = pathlib.Path(__file__).parents[2].parent / "shared" / "data" / "stick_slip"
-ROUNDING = {
-    "breakaway": 0.0,
-    "diagonal-reversals": 5e-6,
-    "knock-at-rest": 0.0,
-    "torque-step": 0.0,
-}
-"""Half of the last of the recorded voltages' six digits, where these aren't round [V]."""
 FREE = ("friction_coefficient", "drive_inertia", "drive_damping", "effective_pretension")
 GRID = 5e-3
 """Interval of the reference's inputs [s]."""
@@ -30,21 +19,6 @@ STEPS = 400
 """Their number: a torque step of a second, and a second of coasting."""
 VOLTAGE = np.where(np.arange(STEPS)[:, None] < STEPS // 2, [6.0, 4.5], 0.0)
 START = np.concatenate([[0.40, 0.0, 0.40, 0.40, 0.45], np.zeros(5)])
-
-
-def numbers_of(robot):
-    frictions = {
-        "lower_friction": robot.lower_carriage.friction.coefficient,
-        "upper_friction": robot.upper_carriage.friction.coefficient,
-    }
-    return Numbers(
-        **{
-            field.name: float(
-                frictions[field.name] if field.name in frictions else value(robot, field.name)
-            )
-            for field in dataclasses.fields(Numbers)
-        }
-    )
 
 
 def drawn(seed):
@@ -80,47 +54,12 @@ def error(robot, found, truth):
 
 
 def reference(robot):
-    duration = np.full(STEPS, GRID)
-    states, sticks = simulate(numbers_of(robot), START, duration=duration, voltage=VOLTAGE)
+    run = simulate(
+        Nonlinear(numbers_of(robot)), START, np.full(STEPS, GRID), VOLTAGE, np.zeros(STEPS)
+    )
     # Otherwise nothing but the smooth step is tested.
-    assert 0 < sticks.mean() < 1
-    return states[:, :5]
-
-
-@pytest.mark.parametrize("name", ROUNDING)
-def test_the_reference_agrees_with_another_event_located_integrator(name):
-    path = RUNS / f"{name}.csv"
-    if not path.exists():
-        pytest.skip("the shared reference runs are not beside this repository")
-    rows = np.genfromtxt(path, delimiter=",", skip_header=1, max_rows=1200)
-    described = json.loads(path.with_suffix(".json").read_text())
-    numbers = {k: float(v.split()[0]) for k, v in described.items() if isinstance(v, str)}
-    numbers["effective_radius"] *= 1e-3
-    robot = numbers_of(replace(consistent(), numbers))
-    states, sticks = simulate(
-        robot,
-        rows[0, 4:14],
-        duration=np.diff(rows[:, 0]),
-        voltage=rows[:-1, 1:3],
-        knock=rows[:-1, 3],
-    )
-    # The records are good to 1e-12 m. Two voltages that err all along by their rounding
-    # drive the lower carriage, and nothing but its mass resists.
-    time = rows[:, 0]
-    push = 2 * ROUNDING[name] * robot.torque_per_volt / robot.effective_radius
-    allowed = 2e-12 + push / robot.masses[2] * time**2 / 2
-    assert np.all(np.abs(states[:, :5] - rows[:, 4:9]).max(axis=1) <= allowed)
-    assert np.array_equal(sticks, rows[1:, 14:16] == 1)
-
-
-def test_the_reference_notices_a_wrong_limit():
-    robot = drawn(0)
-    wrong = dataclasses.replace(
-        numbers_of(robot), upper_friction=1.01 * numbers_of(robot).upper_friction
-    )
-    duration = np.full(STEPS, GRID)
-    states, _ = simulate(wrong, START, duration=duration, voltage=VOLTAGE)
-    assert np.abs(states[:, :5] - reference(robot)).max() > 1e-4
+    assert 0 < run.sticks.mean() < 1
+    return run.positions
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,22 @@
+"""A robot of `scdpr_jax` as the event-by-event reference takes it."""
+
+import dataclasses
+
+from event_by_event import Numbers
+
+from scdpr_jax.parameters import value
+
+
+def numbers_of(robot):
+    frictions = {
+        "lower_friction": robot.lower_carriage.friction.coefficient,
+        "upper_friction": robot.upper_carriage.friction.coefficient,
+    }
+    return Numbers(
+        **{
+            field.name: float(
+                frictions[field.name] if field.name in frictions else value(robot, field.name)
+            )
+            for field in dataclasses.fields(Numbers)
+        }
+    )
