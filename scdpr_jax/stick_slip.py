@@ -89,21 +89,23 @@ def deviation(assumed: Assumed) -> Deviation:
     holds = (stops & ~reverses) | ~slides
     release, breaks_away = _release(load, limit, stop, holds)
 
-    # Assumed minus true friction: first while the carriage stands, then after release.
+    # Assumed minus true friction from the stop on, and what the release adds to that. What
+    # doesn't happen has its instant at the step's end, where its moments are zero.
     friction = branch * limit
-    true = jnp.where(reverses, -friction, jnp.sign(load(1.0)) * limit)
-    standing = Quadratic(friction - load.constant, -load.linear, -load.quadratic)
-    released = Quadratic(
-        jnp.where(slides, friction, load.constant) - true,
-        jnp.where(slides, 0.0, load.linear),
-        jnp.where(slides, 0.0, load.quadratic),
+    rests = slides & ~reverses
+    stopped = Quadratic(
+        jnp.where(rests, friction - load.constant, jnp.where(reverses, 2 * friction, 0.0)),
+        jnp.where(rests, -load.linear, 0.0),
+        jnp.where(rests, -load.quadratic, 0.0),
     )
-    stands, leaves = stops & ~reverses, reverses | breaks_away
+    side = jnp.sign(load(1.0))
+    released = load._replace(constant=load.constant - side * limit)
     return Deviation(
         tuple(
-            jnp.where(stands, _moment(standing, stop, release, order), 0.0)
-            + jnp.where(leaves, _moment(released, release, jnp.ones_like(release), order), 0.0)
-            for order in range(3)
+            after_stop + after_release
+            for after_stop, after_release in zip(
+                _moments(stopped, stop), _moments(released, release), strict=True
+            )
         ),
         holds & ~breaks_away,
     )
@@ -146,7 +148,7 @@ def _load_when_stopped(
 def _release(
     load: Quadratic, limit: Float[Array, ""], stop: Float[Array, ""], holds: Bool[Array, ""]
 ) -> tuple[Float[Array, ""], Bool[Array, ""]]:
-    """When the load of a held carriage passes the limit; its stop if it isn't held."""
+    """When the load of a held carriage passes the limit; the step's end if it doesn't."""
     side = jnp.sign(load(1.0))
     breaks_away = holds & (jnp.abs(load(1.0)) > limit)
     surplus = load(stop) - side * limit
@@ -157,18 +159,19 @@ def _release(
     found = real & (denominator != 0)
     held_for = jnp.where(found, 2 * surplus / jnp.where(found, denominator, 1.0), 0.0)
     release = jnp.where(breaks_away, jnp.clip(stop + held_for, stop, 1.0), 1.0)
-    return jnp.where(holds, release, stop), breaks_away
+    return release, breaks_away
 
 
-def _moment(
-    polynomial: Quadratic, begin: Float[Array, ""], end: Float[Array, ""], order: int
-) -> Float[Array, ""]:
-    r"""$\int_{begin}^{end} (1-\theta)^k p(\theta)\,d\theta$ in powers of $1-\theta$."""
+def _moments(
+    polynomial: Quadratic, begin: Float[Array, ""]
+) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
+    r"""$\int_{begin}^1 (1-\theta)^k p(\theta)\,d\theta$ for k = 0, 1, 2, in $1-\theta$."""
+    left = 1 - begin
     constant = polynomial(1.0)
-    linear = -(polynomial.linear + 2 * polynomial.quadratic)
-
-    def antiderivative(left: Float[Array, ""]) -> Float[Array, ""]:
-        inner = linear / (order + 2) + left * polynomial.quadratic / (order + 3)
-        return left ** (order + 1) * (constant / (order + 1) + left * inner)
-
-    return antiderivative(1 - begin) - antiderivative(1 - end)
+    linear = -left * (polynomial.linear + 2 * polynomial.quadratic)
+    quadratic = jnp.square(left) * polynomial.quadratic
+    return (
+        left * (constant + linear / 2 + quadratic / 3),
+        left**2 * (constant / 2 + linear / 3 + quadratic / 4),
+        left**3 * (constant / 3 + linear / 4 + quadratic / 5),
+    )
