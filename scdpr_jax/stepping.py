@@ -106,7 +106,7 @@ def step(robot: Robot, state: State, held: Inputs) -> State:
     Raises:
         TypeError: If a carriage has another friction law.
     """
-    _require_coulomb(robot)
+    require_coulomb(robot)
     stages = _runge_kutta(robot, state, held)
     response = _Response(
         rate=(dampings(robot) / masses(robot))[_CARRIAGES],
@@ -222,7 +222,15 @@ def _deviate(held: Inputs, end: State, response: _Response, found: Deviation) ->
     return State(position, velocity.at[_CARRIAGES].set(sliding))
 
 
-def _require_coulomb(robot: Robot) -> None:
+def require_coulomb(robot: Robot) -> None:
+    """Raise where the fixed-grid engines can't step the robot's friction.
+
+    Args:
+        robot: The robot.
+
+    Raises:
+        TypeError: If a carriage has another friction law than `Coulomb`.
+    """
     for name, carriage in (("lower", robot.lower_carriage), ("upper", robot.upper_carriage)):
         if not isinstance(carriage.friction, Coulomb):
             raise TypeError(

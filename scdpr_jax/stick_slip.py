@@ -8,6 +8,7 @@ Time runs from 0 to 1 through the step, and accelerations are multiplied by the 
 length, so that everything here is a velocity [m/s].
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -67,7 +68,9 @@ def branch_at_start(
     return jnp.where(velocity != 0, jnp.sign(velocity), pushed)
 
 
-def deviation(assumed: Assumed) -> Deviation:
+def deviation(
+    assumed: Assumed, *, once: Callable[[Array], Array] = lambda value: value
+) -> Deviation:
     r"""Where the carriage leaves its branch, and how far the friction then deviates.
 
     A sliding carriage stops where its velocity passes zero. There the load decides: above
@@ -76,6 +79,7 @@ def deviation(assumed: Assumed) -> Deviation:
 
     Args:
         assumed: The motion on the branch that the carriage began on.
+        once: Wraps what is used many times and should be computed once only.
 
     Returns:
         Moments of the deviation and whether the carriage sticks in the end.
@@ -83,11 +87,13 @@ def deviation(assumed: Assumed) -> Deviation:
     branch, _, _, limit, _ = assumed
     slides = branch != 0
     stop, stops = _stop(assumed)
+    stop = once(stop)
     load = _load_when_stopped(assumed, stop, stops)
 
     reverses = stops & (jnp.abs(load(stop)) > limit)
     holds = (stops & ~reverses) | ~slides
     release, breaks_away = _release(load, limit, stop, holds)
+    release = once(release)
 
     # Assumed minus true friction from the stop on, and what the release adds to that. What
     # doesn't happen has its instant at the step's end, where its moments are zero.
@@ -102,7 +108,7 @@ def deviation(assumed: Assumed) -> Deviation:
     released = load._replace(constant=load.constant - side * limit)
     return Deviation(
         tuple(
-            after_stop + after_release
+            once(after_stop + after_release)
             for after_stop, after_release in zip(
                 _moments(stopped, stop), _moments(released, release), strict=True
             )
