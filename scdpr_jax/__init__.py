@@ -19,6 +19,7 @@ from scdpr_jax.friction import SmoothCoulomb as SmoothCoulomb
 from scdpr_jax.friction import Stribeck as Stribeck
 from scdpr_jax.kinematics import forward_kinematics as forward_kinematics
 from scdpr_jax.kinematics import inverse_kinematics as inverse_kinematics
+from scdpr_jax.linear_stepping import simulate_linear as simulate_linear
 from scdpr_jax.parameters import QUANTITIES as QUANTITIES
 from scdpr_jax.parameters import Cable as Cable
 from scdpr_jax.parameters import Carriage as Carriage

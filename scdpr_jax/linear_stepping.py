@@ -39,18 +39,18 @@ class Propagator(eqx.Module):
     duration: Float[Array, ""] = eqx.field(converter=real, metadata=si("s", "h"))
     """Length of the step [s]."""
     transition: Float[Array, "8 8"] = eqx.field(converter=real, metadata=si("SI", r"\Phi"))
-    r"""$e^{hA}$ on $[x_e, \delta_e, q_3, q_4]$ and its derivative [SI units, row over column]."""
+    r"""$e^{hA}$ on $[x_e, \delta_e, q_3, q_4]$ and its derivative [SI, row over column]."""
     responses: Float[Array, "2 8 3"] = eqx.field(converter=real, metadata=si("SI", "G_k"))
-    r"""$h\varphi_{k+1}(hA)\,b$: answers to a constant acceleration, and to one that grows from
-    zero, of the lower carriage, the upper one and the end-effector [SI units, s for a speed]."""
-    pull: Float[Array, "2 4"] = eqx.field(converter=real, metadata=si("1/s^2", "-K/m"))
-    """Acceleration of both carriages per displacement of each coordinate [1/s²]."""
-    push: Float[Array, "2 4"] = eqx.field(converter=real, metadata=si("1/s^2", "-K/m"))
-    """Acceleration of each coordinate per displacement of both carriages [1/s²]."""
-    rate: Float[Array, "2"] = eqx.field(converter=real, metadata=si("1/s", "d/m"))
-    """Damping of both carriages over their mass [1/s]."""
-    limit: Float[Array, "2"] = eqx.field(converter=real, metadata=si("m/s^2", r"4T\mu/m"))
-    """Largest friction of both carriages over their mass [m/s²]."""
+    r"""$h\varphi_{k+1}(hA)\,b$: answers to a constant acceleration and to one that grows from
+    zero, of the lower carriage, the upper one and the end-effector [SI, s for a speed]."""
+    pull: Float[Array, "2 4"] = eqx.field(converter=real, metadata=si("1/s", "-hK/m"))
+    """What a displacement of each coordinate does to both carriages in a step [1/s]."""
+    push: Float[Array, "2 4"] = eqx.field(converter=real, metadata=si("1", "-h^2 K/2m"))
+    """What both carriages, moving off at a steady speed, do to each coordinate's [1]."""
+    damped: Float[Array, "2"] = eqx.field(converter=real, metadata=si("1", "hd/m"))
+    """Share of the speed of both carriages that damping takes in a step [1]."""
+    limit: Float[Array, "2"] = eqx.field(converter=real, metadata=si("m/s", r"4hT\mu/m"))
+    """Largest change of speed of both carriages by friction in a step [m/s]."""
     height_transition: Float[Array, "2 2"] = eqx.field(
         converter=real, metadata=si("SI", r"\Phi_y")
     )
@@ -97,10 +97,10 @@ def propagator(
         duration=duration,
         transition=transition,
         responses=responses,
-        pull=matrix[6:, :4],
-        push=matrix[4:, 2:4].T,
-        rate=(damping / mass)[2:4],
-        limit=coefficients * normal / mass[2:4],
+        pull=duration * matrix[6:, :4],
+        push=jnp.square(duration) / 2 * matrix[4:, 2:4].T,
+        damped=duration * (damping / mass)[2:4],
+        limit=duration * coefficients * normal / mass[2:4],
         height_transition=jnp.concatenate([moved[:, 1:], lifted], axis=1),
     )
 
@@ -223,7 +223,7 @@ class _Tables(NamedTuple):
     responses: tuple[tuple[Scalars, ...], ...]
     pull: tuple[Scalars, ...]
     push: tuple[Scalars, ...]
-    rate: Scalars
+    damped: Scalars
     limit: Scalars
     height_transition: tuple[Scalars, ...]
 
@@ -248,7 +248,8 @@ def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
     h = tables.duration
     # XLA's CPU back end computes a cheap value anew for each of its uses; a division by what
     # is unknown to it is too dear for that.
-    unity = tables.transition[0][0] / tables.transition[0][0]
+    number = jax.lax.stop_gradient(tables.transition[0][0])
+    unity = number / number
 
     def once(value: Float[Array, ""]) -> Float[Array, ""]:
         return value / unity
@@ -268,10 +269,10 @@ def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
     position, velocity = list(ahead[:4]), list(ahead[4:])
     for i, found in enumerate(deviations):
         zeroth, first, second = found.moments
-        damped = h * tables.rate[i]
+        damped = tables.damped[i]
         position[2 + i] += h * (first - damped * second / 2)
         for j in range(4):
-            velocity[j] += h**2 / 2 * second * tables.push[i][j]
+            velocity[j] += second * tables.push[i][j]
         velocity[2 + i] += zeroth - damped * first + damped**2 * second / 2
     for i, found in enumerate(deviations):
         velocity[2 + i] = jnp.where(found.sticks, 0.0, velocity[2 + i])
@@ -290,11 +291,11 @@ def _at_start(
 ) -> _Held:
     """Branch, free acceleration and load of a carriage as the step begins."""
     h, row = tables.duration, tables.pull[i]
-    load = h * (sum(row[j] * x[j] for j in range(4)) + pushed)
-    slope = h**2 * sum(row[j] * v[j] for j in range(4))
-    speed, limit = v[2 + i], h * tables.limit[i]
+    load = sum(row[j] * x[j] for j in range(4)) + h * pushed
+    slope = h * sum(row[j] * v[j] for j in range(4))
+    speed, limit = v[2 + i], tables.limit[i]
     branch = branch_at_start(speed, load, limit)
-    acceleration = load - h * tables.rate[i] * speed - branch * limit
+    acceleration = load - tables.damped[i] * speed - branch * limit
     return _Held(branch, jnp.where(branch == 0, 0.0, acceleration), load, slope)
 
 
@@ -312,8 +313,8 @@ def _assumed_end(
     steady, rising = [], []
     for i, carriage in enumerate(carriages):
         rests = carriage.branch == 0
-        sliding = pushed[i] - carriage.branch * tables.limit[i]
-        steady.append(jnp.where(rests, pushed[i] - carriage.load / h, sliding))
+        friction = jnp.where(rests, carriage.load, carriage.branch * tables.limit[i])
+        steady.append(pushed[i] - friction / h)
         rising.append(jnp.where(rests, -carriage.load_slope / h, 0.0))
     end = [
         sum(tables.transition[k][j] * state[j] for j in range(8))
@@ -338,11 +339,11 @@ def _assumed(
     """The carriage's motion and load through the step, as polynomials in its time."""
     h, row = tables.duration, tables.pull[i]
     load, slope, linear = carriage.load, carriage.load_slope, carriage.acceleration
-    last = h * (sum(row[j] * end[j] for j in range(4)) + pushed)
+    last = sum(row[j] * end[j] for j in range(4)) + h * pushed
     return Assumed(
         branch=carriage.branch,
         velocity=Quadratic(speed, linear, end[6 + i] - speed - linear),
         load=Quadratic(load, slope, last - load - slope),
-        limit=h * tables.limit[i],
-        stiffness=-(h**2) * row[2 + i],
+        limit=tables.limit[i],
+        stiffness=-h * row[2 + i],
     )

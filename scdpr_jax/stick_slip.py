@@ -84,11 +84,12 @@ def deviation(
     Returns:
         Moments of the deviation and whether the carriage sticks in the end.
     """
+    assumed = assumed._replace(velocity=Quadratic(*map(once, assumed.velocity)))
     branch, _, _, limit, _ = assumed
     slides = branch != 0
     stop, stops = _stop(assumed)
     stop = once(stop)
-    load = _load_when_stopped(assumed, stop, stops)
+    load = Quadratic(*map(once, _load_when_stopped(assumed, stop, stops)))
 
     reverses = stops & (jnp.abs(load(stop)) > limit)
     holds = (stops & ~reverses) | ~slides

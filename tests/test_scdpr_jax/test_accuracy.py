@@ -1,14 +1,16 @@
-"""The fixed-grid engine held to the event-by-event reference, which is held to another one."""
+"""The fixed-grid engines held to the event-by-event reference, which is held to another one."""
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
-from event_by_event import Nonlinear, simulate
+from event_by_event import Linear, Nonlinear, simulate
 from robot_numbers import numbers_of
 
 from scdpr_jax import stepping
 from scdpr_jax.dynamics import State
 from scdpr_jax.friction import Coulomb
+from scdpr_jax.linear_stepping import simulate_linear
 from scdpr_jax.parameters import replace, value, with_friction
 from scdpr_jax.prototype import consistent
 
@@ -33,18 +35,36 @@ def drawn(seed):
 
 
 @jax.jit
-def stepped(robot, inputs):
+def stepped_nonlinear(robot, inputs):
     return stepping.simulate(robot, State(START[:5], START[5:]), inputs).position
 
 
-def positions(robot, parts):
+@jax.jit
+def stepped_linear(robot, inputs):
+    return simulate_linear(
+        robot,
+        State(START[:5], START[5:]),
+        height=jnp.asarray(START[4]),
+        interval=inputs.duration[0],
+        voltage=inputs.voltage,
+        knock=inputs.knock,
+    ).position
+
+
+MODELS = {
+    "nonlinear": (stepped_nonlinear, Nonlinear),
+    "linear": (stepped_linear, lambda numbers: Linear(numbers, START[4])),
+}
+
+
+def positions(model, robot, parts):
     """Positions at the reference's instants, by `parts` steps in each of its intervals."""
     inputs = stepping.Inputs(
         np.full(parts * STEPS, GRID / parts),
         np.repeat(VOLTAGE, parts, axis=0),
         np.zeros(parts * STEPS),
     )
-    return np.asarray(stepped(robot, inputs))[::parts]
+    return np.asarray(MODELS[model][0](robot, inputs))[::parts]
 
 
 def error(robot, found, truth):
@@ -53,32 +73,33 @@ def error(robot, found, truth):
     return np.abs((found - truth) * np.array([1.0, arm, 1.0, 1.0, 1.0])).max()
 
 
-def reference(robot):
-    run = simulate(
-        Nonlinear(numbers_of(robot)), START, np.full(STEPS, GRID), VOLTAGE, np.zeros(STEPS)
-    )
+def reference(model, robot):
+    system = MODELS[model][1](numbers_of(robot))
+    run = simulate(system, START, np.full(STEPS, GRID), VOLTAGE, np.zeros(STEPS))
     # Otherwise nothing but the smooth step is tested.
     assert 0 < run.sticks.mean() < 1
     return run.positions
 
 
+@pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(
     "seed", [*range(3), *(pytest.param(s, marks=pytest.mark.slow) for s in range(3, 16))]
 )
-def test_errors_are_within_bounds_at_200_hz_and_1_khz(seed):
+def test_errors_are_within_bounds_at_200_hz_and_1_khz(seed, model):
     robot = drawn(seed)
-    truth = reference(robot)
-    coarse, fine = (error(robot, positions(robot, parts), truth) for parts in (1, 5))
+    truth = reference(model, robot)
+    coarse, fine = (error(robot, positions(model, robot, parts), truth) for parts in (1, 5))
     assert coarse <= 1e-5
     assert fine <= 2e-7
 
 
 @pytest.mark.slow
-def test_order_against_the_reference_is_near_three():
+@pytest.mark.parametrize("model", MODELS)
+def test_order_against_the_reference_is_near_three(model):
     errors = np.array(
         [
-            [error(robot, positions(robot, parts), truth) for parts in (1, 2, 4, 8)]
-            for robot, truth in ((r, reference(r)) for r in map(drawn, range(8)))
+            [error(robot, positions(model, robot, parts), truth) for parts in (1, 2, 4, 8)]
+            for robot, truth in ((r, reference(model, r)) for r in map(drawn, range(8)))
         ]
     )
     # The mean over the robots: one event's place on the grid makes one robot's error jump.
