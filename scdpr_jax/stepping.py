@@ -1,9 +1,9 @@
 r"""The fixed-grid engine: exact Coulomb friction, third order, differentiable.
 
-A step covers one interval of zero-order-held voltages. The smooth part is classical
-Runge-Kutta on the branch that each carriage is on when the step begins. Where a carriage
-leaves its branch inside the step (it stops, turns round, sticks or breaks away), the
-instant follows in closed form from the step's own polynomials (`scdpr_jax.stick_slip`),
+A step covers one interval of zero-order-held voltages. The smooth part is Butcher's
+fifth-order Runge-Kutta on the branch that each carriage is on when the step begins. Where
+a carriage leaves its branch inside the step (it stops, turns round, sticks or breaks away),
+the instant follows in closed form from the step's own polynomials (`scdpr_jax.stick_slip`),
 and the friction's deviation acts through the carriage's own response at frozen
 coefficients. There is no loop inside a step, so that it vectorises, and derivatives hold
 through every event.
@@ -125,13 +125,27 @@ class _Response(NamedTuple):
     """Restoring acceleration of each coordinate per displacement of a carriage [1/s²]."""
 
 
+_STAGES = (
+    (1 / 4,),
+    (1 / 8, 1 / 8),
+    (0.0, -1 / 2, 1.0),
+    (3 / 16, 0.0, 0.0, 9 / 16),
+    (-3 / 7, 2 / 7, 12 / 7, -12 / 7, 8 / 7),
+)
+_END = (7 / 90, 0.0, 32 / 90, 12 / 90, 32 / 90, 7 / 90)
+"""Butcher's fifth-order method, J. C. Butcher, J. Austral. Math. Soc. 4 (1964) 179-194,
+doi:10.1017/S1446788700023387: its stages, and its end."""
+_PLACES = (0, 3, 5)
+"""The stages at the beginning, in the middle and at the end of the step."""
+
+
 class _Stages(NamedTuple):
-    """The four stages of a Runge-Kutta step on the assumed branches, and its end."""
+    """A Runge-Kutta step on the assumed branches: its beginning, middle and end."""
 
     branch: Float[Array, "2"]
     velocity: tuple[Float[Array, "5"], ...]
     load: tuple[Float[Array, "5"], ...]
-    limit: tuple[Float[Array, "2"], ...]
+    limit: Float[Array, "2"]
     acceleration: Float[Array, "5"]
     end: State
 
@@ -158,24 +172,28 @@ def _runge_kutta(robot: Robot, state: State, held: Inputs) -> _Stages:
     h = held.duration
     at, loads, limits = [state], [first_load], [first_limit]
     slopes = [accelerate(first_load, first_limit)]
-    for fraction in (0.5, 0.5, 1.0):
-        at.append(
-            State(
-                state.position + fraction * h * at[-1].velocity,
-                state.velocity + fraction * h * slopes[-1],
-            )
+
+    def ahead(weights: tuple[float, ...]) -> State:
+        known = [(w, s.velocity, a) for w, s, a in zip(weights, at, slopes, strict=True) if w]
+        return State(
+            state.position + h * sum(w * velocity for w, velocity, _ in known),
+            state.velocity + h * sum(w * slope for w, _, slope in known),
         )
+
+    for weights in _STAGES:
+        at.append(ahead(weights))
         load, limit = balance(at[-1])
         loads.append(load)
         limits.append(limit)
-        slopes.append(accelerate(loads[-1], limits[-1]))
-
-    v = [stage.velocity for stage in at]
-    end = State(
-        state.position + h / 6 * (v[0] + 2 * v[1] + 2 * v[2] + v[3]),
-        state.velocity + h / 6 * (slopes[0] + 2 * slopes[1] + 2 * slopes[2] + slopes[3]),
+        slopes.append(accelerate(load, limit))
+    return _Stages(
+        branch=branch,
+        velocity=tuple(at[i].velocity for i in _PLACES),
+        load=tuple(loads[i] for i in _PLACES),
+        limit=limits[_PLACES[1]],
+        acceleration=slopes[0],
+        end=ahead(_END),
     )
-    return _Stages(branch, tuple(v), tuple(loads), tuple(limits), slopes[0], end)
 
 
 def _assumed_motions(
@@ -184,18 +202,17 @@ def _assumed_motions(
     """The two carriages' assumed motions, as polynomials in the step's time."""
     h = held.duration
     # The load that holds a carriage has no damping in it: a carriage that is held rests.
-    first, second, third, last = (
+    first, middle, last = (
         h * (load[_CARRIAGES] + response.rate * velocity[_CARRIAGES])
         for load, velocity in zip(stages.load, stages.velocity, strict=True)
     )
-    middle = (second + third) / 2
     start, end = state.velocity[_CARRIAGES], stages.end.velocity[_CARRIAGES]
     linear = h * stages.acceleration[_CARRIAGES]
     return Assumed(
         branch=stages.branch,
         velocity=Quadratic(start, linear, end - start - linear),
         load=Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle),
-        limit=h * stages.limit[1],
+        limit=h * stages.limit,
         stiffness=jnp.square(h) * jnp.diagonal(response.couplings[:, _CARRIAGES]),
     )
 
