@@ -4,6 +4,7 @@ Near an aligned pose at a height the robot is linear but for its dry friction, E
 (21) with the drives. On the branches that the carriages begin a step on, a step is a product
 with tabulated matrices; where a carriage leaves its branch, `scdpr_jax.stick_slip` says when
 and by how much the friction deviates. Third order at least in the step, by the events alone.
+The model has no dry friction in the drives: `scdpr_jax.stepping` has it.
 
 Everything in a step is a scalar: batched by `jax.vmap` these are arrays with the runs side by
 side, which a processor works through two to four times as fast as stacked small matrices.
@@ -118,7 +119,8 @@ def simulate_linear(
     """Trajectory of the linear robot with exact Coulomb friction, on an even grid.
 
     Args:
-        robot: The robot, with `Coulomb` friction on both carriages.
+        robot: The robot, with `Coulomb` friction on both carriages; the dry friction of its
+            drives has no part in the linear model.
         start: State at the first instant.
         height: Height of the end-effector about which the robot is linear [m].
         interval: Length of the intervals in which the inputs are held [s], above zero.
@@ -248,7 +250,7 @@ def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
     h = tables.duration
     # XLA's CPU back end computes a cheap value anew for each of its uses; a division by what
     # is unknown to it is too dear for that.
-    number = jax.lax.stop_gradient(tables.transition[0][0])
+    number = 1 + jnp.square(jax.lax.stop_gradient(tables.transition[0][0]))
     unity = number / number
 
     def once(value: Float[Array, ""]) -> Float[Array, ""]:
