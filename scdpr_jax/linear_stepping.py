@@ -22,7 +22,7 @@ from scdpr_jax.dynamics import State, dampings, drive_forces, masses
 from scdpr_jax.fields import real, si
 from scdpr_jax.linear import linearise
 from scdpr_jax.parameters import Robot
-from scdpr_jax.stepping import require_coulomb
+from scdpr_jax.stepping import friction_coefficients
 from scdpr_jax.stick_slip import Assumed, Quadratic, branch_at_start, deviation
 
 _PLANE = (0, 1, 2, 3, 5, 6, 7, 8)
@@ -74,8 +74,6 @@ def propagator(
     Raises:
         TypeError: If a carriage has another friction law.
     """
-    require_coulomb(robot)
-    height = jnp.asarray(height)
     aligned = jnp.zeros(5, height.dtype).at[4].set(height)
     plane = jnp.array(_PLANE)
     space = linearise(robot, aligned)
@@ -85,9 +83,6 @@ def propagator(
     transition, responses = _exponentials(duration * matrix, duration * forced)
 
     mass, damping = masses(robot), dampings(robot)
-    coefficients = jnp.stack(
-        [robot.lower_carriage.friction.coefficient, robot.upper_carriage.friction.coefficient]
-    )
     normal = 4 * robot.cable.effective_pretension
     vertical = jnp.array([[0.0, 1.0], [0.0, 0.0]], matrix.dtype)
     vertical = vertical.at[1, 1].set(-damping[4] / mass[4])
@@ -101,7 +96,7 @@ def propagator(
         pull=duration * matrix[6:, :4],
         push=jnp.square(duration) / 2 * matrix[4:, 2:4].T,
         damped=duration * (damping / mass)[2:4],
-        limit=duration * coefficients * normal / mass[2:4],
+        limit=duration * friction_coefficients(robot) * normal / mass[2:4],
         height_transition=jnp.concatenate([moved[:, 1:], lifted], axis=1),
     )
 
@@ -270,21 +265,20 @@ def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
 
     position, velocity = list(ahead[:4]), list(ahead[4:])
     for i, found in enumerate(deviations):
-        zeroth, first, second = found.moments
-        damped = tables.damped[i]
-        position[2 + i] += h * (first - damped * second / 2)
+        moved, sped = found.answer(tables.damped[i])
+        position[2 + i] += h * moved
         for j in range(4):
-            velocity[j] += second * tables.push[i][j]
-        velocity[2 + i] += zeroth - damped * first + damped**2 * second / 2
+            velocity[j] += found.moments[2] * tables.push[i][j]
+        velocity[2 + i] += sped
     for i, found in enumerate(deviations):
         velocity[2 + i] = jnp.where(found.sticks, 0.0, velocity[2 + i])
 
-    (moved, lifted), (kept, sped) = tables.height_transition
+    (coasts, lifts), (keeps, gains) = tables.height_transition
     return (
         *position,
-        y + moved * climb + lifted * lift,
+        y + coasts * climb + lifts * lift,
         *velocity,
-        kept * climb + sped * lift,
+        keeps * climb + gains * lift,
     )
 
 

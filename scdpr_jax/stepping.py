@@ -106,7 +106,6 @@ def step(robot: Robot, state: State, held: Inputs) -> State:
     Raises:
         TypeError: If a carriage has another friction law.
     """
-    require_coulomb(robot)
     stages = _runge_kutta(robot, state, held)
     response = _Response(
         rate=(dampings(robot) / masses(robot))[_CARRIAGES],
@@ -153,9 +152,7 @@ class _Stages(NamedTuple):
 def _runge_kutta(robot: Robot, state: State, held: Inputs) -> _Stages:
     mass = masses(robot)
     torque = motor_torque(robot.drive, held.voltage)
-    coefficients = jnp.stack(
-        [robot.lower_carriage.friction.coefficient, robot.upper_carriage.friction.coefficient]
-    )
+    coefficients = friction_coefficients(robot)
 
     def balance(at: State) -> tuple[Float[Array, "5"], Float[Array, "2"]]:
         loop = loop_forces(robot, at.position)
@@ -220,30 +217,27 @@ def _assumed_motions(
 def _deviate(held: Inputs, end: State, response: _Response, found: Deviation) -> State:
     r"""The end of the step under the true friction.
 
-    With the carriage's own damping rate $c$ and stiffness $k$ (over its mass) and the
-    deviation's moments $E_k$, in velocity units,
-
-    $$ \delta v = E_0 - ch E_1 + (c^2 - k) h^2 E_2 / 2, \qquad
-       \delta q = h (E_1 - ch E_2 / 2) $$
-
-    and every other coordinate $j$ feels the displacement by $-k_j h^2 E_2 / 2$.
+    Beside the carriage's own answer, every coordinate $j$ feels its displacement by
+    $-k_j h^2 E_2 / 2$, with the stiffness $k_j$ over the mass of $j$ and the deviation's
+    moment $E_2$.
     """
     h = held.duration
-    zeroth, first, second = found.moments
-    damped = h * response.rate
-    position = end.position.at[_CARRIAGES].add(h * (first - damped * second / 2))
-    felt = -jnp.square(h) / 2 * second @ response.couplings
-    own = zeroth - damped * first + jnp.square(damped) * second / 2
-    velocity = (end.velocity + felt).at[_CARRIAGES].add(own)
+    moved, sped = found.answer(h * response.rate)
+    position = end.position.at[_CARRIAGES].add(h * moved)
+    felt = -jnp.square(h) / 2 * found.moments[2] @ response.couplings
+    velocity = (end.velocity + felt).at[_CARRIAGES].add(sped)
     sliding = jnp.where(found.sticks, 0.0, velocity[_CARRIAGES])
     return State(position, velocity.at[_CARRIAGES].set(sliding))
 
 
-def require_coulomb(robot: Robot) -> None:
-    """Raise where the fixed-grid engines can't step the robot's friction.
+def friction_coefficients(robot: Robot) -> Float[Array, "2"]:
+    """Exact Coulomb friction of the lower and the upper carriage.
 
     Args:
         robot: The robot.
+
+    Returns:
+        Both coefficients [1].
 
     Raises:
         TypeError: If a carriage has another friction law than `Coulomb`.
@@ -255,3 +249,6 @@ def require_coulomb(robot: Robot) -> None:
                 f"engine, got `{type(carriage.friction).__name__}`. Use "
                 "`scdpr_jax.exact(robot)`, or `scdpr_jax.simulation` for smooth laws."
             )
+    return jnp.stack(
+        [robot.lower_carriage.friction.coefficient, robot.upper_carriage.friction.coefficient]
+    )

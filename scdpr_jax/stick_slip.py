@@ -50,6 +50,27 @@ class Deviation(NamedTuple):
     sticks: Bool[Array, ""]
     """Whether the carriage stands still at the end of the step."""
 
+    def answer(self, damped: Float[Array, "..."]) -> tuple[Array, Array]:
+        r"""The carriage's own displacement over the step's length, and its velocity [m/s].
+
+        $$ \delta q / h = E_1 - ch E_2 / 2, \qquad
+           \delta v = E_0 - ch E_1 + (ch)^2 E_2 / 2 $$
+
+        with the moments $E_k$; its stiffness, like that against every other coordinate,
+        takes another $k h^2 E_2 / 2$ off the velocity.
+
+        Args:
+            damped: Damping over mass, times the step's length, $ch$ [1].
+
+        Returns:
+            Both, to be added to the assumed motion's end.
+        """
+        zeroth, first, second = self.moments
+        return (
+            first - damped * second / 2,
+            zeroth - damped * first + jnp.square(damped) * second / 2,
+        )
+
 
 def branch_at_start(
     velocity: Float[Array, "..."], load: Float[Array, "..."], limit: Float[Array, "..."]

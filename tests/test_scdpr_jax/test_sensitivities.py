@@ -27,7 +27,7 @@ its fourth power; the reference is good to 1e-13 m, which makes 1e-8."""
 
 
 def robot_and_start(unknowns, nominal):
-    """The robot, its start and that of the engines from logarithms and displacements."""
+    """The robot and its start, from logarithms of `FREE` and displacements of the start."""
     values = dict(zip(FREE, nominal, strict=True))
     scaled = {
         name: values[name] * jnp.exp(log) for name, log in zip(FREE, unknowns[:4], strict=True)
