@@ -48,11 +48,12 @@ def main(arguments: list[str] | None = None) -> int:
             file=sys.stderr,
         )
         return BAD_INPUT
+    import importlib
+
     import tyro
 
-    from experiments import verbs
-
-    chosen = getattr(verbs, verb.replace("-", "_"))
+    name = verb.replace("-", "_")
+    chosen = getattr(importlib.import_module(f"experiments.verbs.{name}"), name)
     try:
         return tyro.cli(chosen, args=rest, prog=f"scdpr {verb}")
     except ValueError as error:

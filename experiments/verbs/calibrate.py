@@ -1,0 +1,57 @@
+"""`scdpr calibrate`: from a campaign to parameters, frequencies, gains and shapers."""
+
+import pathlib
+
+from experiments.cli import DONE
+from experiments.places import require_outside
+from experiments.runtime import set_up, shown_progress, stage
+from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+
+
+def calibrate(
+    campaign: Folder,
+    /,
+    out: pathlib.Path,
+    skip_bad_runs: bool = False,
+    free: tuple[str, ...] = (),
+    hold_out: tuple[str, ...] | None = None,
+) -> int:
+    """Check a campaign, identify the robot, map its frequencies, tune it, and report.
+
+    Args:
+        campaign: Folder of the campaign, format 1.
+        out: Folder for parameters.json, frequencies.csv, tuning.json and report.html.
+        skip_bad_runs: Go on without runs that have faults, and say which.
+        free: Quantities to estimate; default: friction, drive inertia and damping, and
+            the effective pretension of each setting; the drives' dry friction too where
+            the residuals ask for it.
+        hold_out: Runs to predict instead of fitting them; default: the manoeuvre that
+            goes the furthest. Give it without a name to fit every run.
+    """
+    set_up()
+    from experiments import pipeline, summary
+    from identification.campaign import read_campaign
+
+    require_outside(out, campaign)
+    read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    with shown_progress(ERRORS) as progress:
+        calibration = pipeline.calibrate(
+            read,
+            free=free or None,
+            hold_out=hold_out,
+            progress=stage(progress, 0.0, 0.93),
+        )
+        progress("report", 0.93)
+        written = pipeline.write_calibration(calibration, out)
+    summary.show(
+        OUT,
+        calibration.estimate,
+        campaign=calibration.campaign,
+        frequencies=calibration.frequencies,
+        tuning=calibration.tuning,
+    )
+    for note in calibration.notes:
+        OUT.print(f"note: {note}")
+    wrote(*written)
+    suggest(f"open {written[0]}", f"scdpr simulate --parameters {written[1]} --out DIR")
+    return DONE

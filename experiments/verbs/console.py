@@ -1,0 +1,37 @@
+"""What the verbs share of the console: where they print, and how they end."""
+
+import pathlib
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+
+Folder = Annotated[pathlib.Path, tyro.conf.Positional]
+"""A path that is given without a flag."""
+
+OUT = Console(highlight=False, width=max(140, Console().width))
+"""Wide enough for the tables: a narrow terminal wraps them, and nothing is cut."""
+
+ERRORS = Console(stderr=True, highlight=False)
+"""Progress and complaints."""
+
+
+def wrote(*paths: pathlib.Path) -> None:
+    """Say which files were written.
+
+    Args:
+        paths: The files.
+    """
+    OUT.print()
+    for path in paths:
+        OUT.print(f"wrote {path}", markup=False)
+
+
+def suggest(*calls: str) -> None:
+    """Say what to do next.
+
+    Args:
+        calls: Calls to make.
+    """
+    for call in calls:
+        OUT.print(f"next: {call}", markup=False)

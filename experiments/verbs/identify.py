@@ -1,0 +1,44 @@
+"""`scdpr identify`: a campaign's parameters."""
+
+import pathlib
+
+from experiments.cli import DONE
+from experiments.places import require_outside
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+
+
+def identify(
+    campaign: Folder,
+    /,
+    out: pathlib.Path,
+    skip_bad_runs: bool = False,
+    free: tuple[str, ...] = (),
+    hold_out: tuple[str, ...] = (),
+) -> int:
+    """Estimate the robot's parameters from all runs of a campaign.
+
+    Args:
+        campaign: Folder of the campaign, format 1.
+        out: Folder for parameters.json.
+        skip_bad_runs: Go on without runs that have faults, and say which.
+        free: Quantities to estimate; default: friction, drive inertia and damping, and
+            the effective pretension of each setting.
+        hold_out: Runs to predict instead of fitting them.
+    """
+    set_up()
+    from experiments import summary
+    from experiments.parameters_file import write_parameters
+    from identification.campaign import read_campaign
+    from identification.estimate import estimate
+    from identification.unknowns import DEFAULT_FREE
+
+    require_outside(out, campaign)
+    read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    with shown_progress(ERRORS) as progress:
+        found = estimate(read, free=free or DEFAULT_FREE, hold_out=hold_out, progress=progress)
+    write_parameters(out / "parameters.json", found)
+    summary.show(OUT, found, campaign=read)
+    wrote(out / "parameters.json")
+    suggest(f"scdpr frequencies {campaign} --out {out}")
+    return DONE

@@ -1,0 +1,35 @@
+"""`scdpr tune`: gains and shapers."""
+
+import pathlib
+
+from experiments.cli import DONE
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, suggest, wrote
+
+
+def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path) -> int:
+    """Design gains and a shaper for each region of the workspace.
+
+    Args:
+        parameters: parameters.json of `scdpr identify`.
+        frequencies: frequencies.csv of `scdpr frequencies`.
+        out: Folder for tuning.json.
+    """
+    set_up()
+    from experiments import summary
+    from experiments.parameters_file import read_parameters
+    from identification.frequency_map import read_frequencies
+    from tuning.document import write_tuning
+    from tuning.tune import tune as design
+
+    fitted = read_parameters(parameters)
+    measured = read_frequencies(frequencies)
+    with shown_progress(ERRORS) as progress:
+        tuned = design(fitted, measured, progress=progress)
+    write_tuning(out / "tuning.json", tuned)
+    summary.show_tuning(OUT, tuned)
+    wrote(out / "tuning.json")
+    suggest(
+        f"scdpr simulate --parameters {parameters} --tuning {out / 'tuning.json'} --out DIR"
+    )
+    return DONE
