@@ -42,12 +42,13 @@ class Propagator(eqx.Module):
     transition: Float[Array, "8 8"] = eqx.field(converter=real, metadata=si("SI", r"\Phi"))
     r"""$e^{hA}$ on $[x_e, \delta_e, q_3, q_4]$ and its derivative [SI, row over column]."""
     responses: Float[Array, "2 8 3"] = eqx.field(converter=real, metadata=si("SI", "G_k"))
-    r"""$h\varphi_{k+1}(hA)\,b$: answers to a constant acceleration and to one that grows from
-    zero, of the lower carriage, the upper one and the end-effector [SI, s for a speed]."""
+    r"""$\varphi_{k+1}(hA)\,b$: answers to an acceleration of 1 m/s a step, constant or grown to
+    from zero, of the lower carriage, the upper one and the end-effector [SI, 1 for a speed]."""
     pull: Float[Array, "2 4"] = eqx.field(converter=real, metadata=si("1/s", "-hK/m"))
     """What a displacement of each coordinate does to both carriages in a step [1/s]."""
-    push: Float[Array, "2 4"] = eqx.field(converter=real, metadata=si("1", "-h^2 K/2m"))
-    """What both carriages, moving off at a steady speed, do to each coordinate's [1]."""
+    coupling: Float[Array, "2 4"] = eqx.field(converter=real, metadata=si("1", "-h^2 K/m"))
+    """Acceleration of each coordinate per displacement of both carriages, times the step's
+    length squared [1]."""
     damped: Float[Array, "2"] = eqx.field(converter=real, metadata=si("1", "hd/m"))
     """Share of the speed of both carriages that damping takes in a step [1]."""
     limit: Float[Array, "2"] = eqx.field(converter=real, metadata=si("m/s", r"4hT\mu/m"))
@@ -80,7 +81,7 @@ def propagator(
     matrix = space.state_matrix[plane][:, plane]
     units = jnp.eye(8, dtype=matrix.dtype)
     forced = units[:, jnp.array([6, 7, 4])]
-    transition, responses = _exponentials(duration * matrix, duration * forced)
+    transition, responses = _exponentials(duration * matrix, forced)
 
     mass, damping = masses(robot), dampings(robot)
     normal = 4 * robot.cable.effective_pretension
@@ -94,7 +95,7 @@ def propagator(
         transition=transition,
         responses=responses,
         pull=duration * matrix[6:, :4],
-        push=jnp.square(duration) / 2 * matrix[4:, 2:4].T,
+        coupling=jnp.square(duration) * matrix[4:, 2:4].T,
         damped=duration * (damping / mass)[2:4],
         limit=duration * friction_coefficients(robot) * normal / mass[2:4],
         height_transition=jnp.concatenate([moved[:, 1:], lifted], axis=1),
@@ -219,7 +220,7 @@ class _Tables(NamedTuple):
     transition: tuple[Scalars, ...]
     responses: tuple[tuple[Scalars, ...], ...]
     pull: tuple[Scalars, ...]
-    push: tuple[Scalars, ...]
+    coupling: tuple[Scalars, ...]
     damped: Scalars
     limit: Scalars
     height_transition: tuple[Scalars, ...]
@@ -256,7 +257,8 @@ def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
     pushed = (drive, jnp.zeros_like(drive))
 
     carriages = [_at_start(tables, i, x, v, pushed[i]) for i in range(2)]
-    ahead = _assumed_end(tables, (*x, *v), carriages, pushed=pushed, knock=knock)
+    forces = tuple(once(f) for f in _assumed_forces(tables, carriages, pushed))
+    ahead = _assumed_end(tables, (*x, *v), carriages, forces, knock=knock)
     ahead = tuple(once(value) for value in ahead)
     deviations = [
         deviation(_assumed(tables, i, carriage, v[2 + i], ahead, pushed[i]), once=once)
@@ -265,11 +267,10 @@ def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
 
     position, velocity = list(ahead[:4]), list(ahead[4:])
     for i, found in enumerate(deviations):
-        moved, sped = found.answer(tables.damped[i])
-        position[2 + i] += h * moved
-        for j in range(4):
-            velocity[j] += found.moments[2] * tables.push[i][j]
-        velocity[2 + i] += sped
+        shares = [(j, found.felt(tables.coupling[i][j])) for j in range(4)]
+        for j, (moved, sped) in (*shares, (2 + i, found.answer(tables.damped[i]))):
+            position[j] += h * moved
+            velocity[j] += sped
     for i, found in enumerate(deviations):
         velocity[2 + i] = jnp.where(found.sticks, 0.0, velocity[2 + i])
 
@@ -295,27 +296,36 @@ def _at_start(
     return _Held(branch, jnp.where(branch == 0, 0.0, acceleration), load, slope)
 
 
-def _assumed_end(
-    tables: _Tables,
-    state: Scalars,
-    carriages: list[_Held],
-    *,
-    pushed: Scalars,
-    knock: Float[Array, ""],
-) -> Scalars:
-    """The step's end on the assumed branches; friction there is constant, or the load."""
+def _assumed_forces(tables: _Tables, carriages: list[_Held], pushed: Scalars) -> Scalars:
+    """What acts on the carriages on the assumed branches, constant and rising [m/s].
+
+    Friction is constant on a carriage that slides; on one that is held it is the load.
+    """
     h = tables.duration
-    constant, growing = tables.responses
     steady, rising = [], []
     for i, carriage in enumerate(carriages):
         rests = carriage.branch == 0
         friction = jnp.where(rests, carriage.load, carriage.branch * tables.limit[i])
-        steady.append(pushed[i] - friction / h)
-        rising.append(jnp.where(rests, -carriage.load_slope / h, 0.0))
+        steady.append(h * pushed[i] - friction)
+        rising.append(jnp.where(rests, -carriage.load_slope, 0.0))
+    return (*steady, *rising)
+
+
+def _assumed_end(
+    tables: _Tables,
+    state: Scalars,
+    carriages: list[_Held],
+    forces: Scalars,
+    *,
+    knock: Float[Array, ""],
+) -> Scalars:
+    """The step's end on the assumed branches."""
+    constant, growing = tables.responses
+    pulse = tables.duration * knock
     end = [
         sum(tables.transition[k][j] * state[j] for j in range(8))
-        + sum(constant[k][i] * steady[i] + growing[k][i] * rising[i] for i in range(2))
-        + constant[k][2] * knock
+        + sum(constant[k][i] * forces[i] + growing[k][i] * forces[2 + i] for i in range(2))
+        + constant[k][2] * pulse
         for k in range(8)
     ]
     for i, carriage in enumerate(carriages):
@@ -336,9 +346,12 @@ def _assumed(
     h, row = tables.duration, tables.pull[i]
     load, slope, linear = carriage.load, carriage.load_slope, carriage.acceleration
     last = sum(row[j] * end[j] for j in range(4)) + h * pushed
+    quadratic = end[6 + i] - speed - linear
+    end_slope = last - tables.damped[i] * end[6 + i] - carriage.branch * tables.limit[i]
     return Assumed(
         branch=carriage.branch,
-        velocity=Quadratic(speed, linear, end[6 + i] - speed - linear),
+        velocity=Quadratic(speed, linear, quadratic),
+        bend=end_slope - linear - 2 * quadratic,
         load=Quadratic(load, slope, last - load - slope),
         limit=tables.limit[i],
         stiffness=-h * row[2 + i],

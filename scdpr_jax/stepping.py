@@ -145,7 +145,7 @@ class _Stages(NamedTuple):
     velocity: tuple[Float[Array, "5"], ...]
     load: tuple[Float[Array, "5"], ...]
     limit: Float[Array, "2"]
-    acceleration: Float[Array, "5"]
+    acceleration: tuple[Float[Array, "5"], ...]
     end: State
 
 
@@ -188,7 +188,7 @@ def _runge_kutta(robot: Robot, state: State, held: Inputs) -> _Stages:
         velocity=tuple(at[i].velocity for i in _PLACES),
         load=tuple(loads[i] for i in _PLACES),
         limit=limits[_PLACES[1]],
-        acceleration=slopes[0],
+        acceleration=tuple(slopes[i] for i in _PLACES),
         end=ahead(_END),
     )
 
@@ -204,10 +204,12 @@ def _assumed_motions(
         for load, velocity in zip(stages.load, stages.velocity, strict=True)
     )
     start, end = state.velocity[_CARRIAGES], stages.end.velocity[_CARRIAGES]
-    linear = h * stages.acceleration[_CARRIAGES]
+    linear, _, end_slope = (h * slope[_CARRIAGES] for slope in stages.acceleration)
+    quadratic = end - start - linear
     return Assumed(
         branch=stages.branch,
-        velocity=Quadratic(start, linear, end - start - linear),
+        velocity=Quadratic(start, linear, quadratic),
+        bend=end_slope - linear - 2 * quadratic,
         load=Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle),
         limit=h * stages.limit,
         stiffness=jnp.square(h) * jnp.diagonal(response.couplings[:, _CARRIAGES]),
@@ -215,17 +217,13 @@ def _assumed_motions(
 
 
 def _deviate(held: Inputs, end: State, response: _Response, found: Deviation) -> State:
-    r"""The end of the step under the true friction.
-
-    Beside the carriage's own answer, every coordinate $j$ feels its displacement by
-    $-k_j h^2 E_2 / 2$, with the stiffness $k_j$ over the mass of $j$ and the deviation's
-    moment $E_2$.
-    """
+    """The end of the step under the true friction."""
     h = held.duration
     moved, sped = found.answer(h * response.rate)
-    position = end.position.at[_CARRIAGES].add(h * moved)
-    felt = -jnp.square(h) / 2 * found.moments[2] @ response.couplings
-    velocity = (end.velocity + felt).at[_CARRIAGES].add(sped)
+    shares = jax.vmap(Deviation.felt)(found, -jnp.square(h) * response.couplings)
+    displaced, hastened = (jnp.sum(share, axis=0) for share in shares)
+    position = (end.position + h * displaced).at[_CARRIAGES].add(h * moved)
+    velocity = (end.velocity + hastened).at[_CARRIAGES].add(sped)
     sliding = jnp.where(found.sticks, 0.0, velocity[_CARRIAGES])
     return State(position, velocity.at[_CARRIAGES].set(sliding))
 

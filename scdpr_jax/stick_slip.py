@@ -33,7 +33,9 @@ class Assumed(NamedTuple):
     branch: Float[Array, ""]
     """+1 or -1 while sliding, 0 while held."""
     velocity: Quadratic
-    """Sliding velocity; zero while held [m/s]."""
+    """Sliding velocity through its start, its slope there and its end; held: zero [m/s]."""
+    bend: Float[Array, ""]
+    """Slope of the velocity's end beyond that, which makes it a cubic [m/s]."""
     load: Quadratic
     """What friction must balance to hold the carriage where the branch takes it [m/s]."""
     limit: Float[Array, ""]
@@ -45,8 +47,8 @@ class Assumed(NamedTuple):
 class Deviation(NamedTuple):
     """What the true friction does to the carriage beyond the assumed one."""
 
-    moments: tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]
-    r"""$\int_0^1 (1-\theta)^k d(\theta)\,d\theta$ of the difference $d$, k = 0, 1, 2 [m/s]."""
+    moments: tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""], Float[Array, ""]]
+    r"""$E_k = \int_0^1 (1-\theta)^k d(\theta)\,d\theta$, d the difference, up to E_3 [m/s]."""
     sticks: Bool[Array, ""]
     """Whether the carriage stands still at the end of the step."""
 
@@ -56,8 +58,7 @@ class Deviation(NamedTuple):
         $$ \delta q / h = E_1 - ch E_2 / 2, \qquad
            \delta v = E_0 - ch E_1 + (ch)^2 E_2 / 2 $$
 
-        with the moments $E_k$; its stiffness, like that against every other coordinate,
-        takes another $k h^2 E_2 / 2$ off the velocity.
+        Its stiffness acts like that against every other coordinate, `felt`.
 
         Args:
             damped: Damping over mass, times the step's length, $ch$ [1].
@@ -65,11 +66,26 @@ class Deviation(NamedTuple):
         Returns:
             Both, to be added to the assumed motion's end.
         """
-        zeroth, first, second = self.moments
+        zeroth, first, second, _ = self.moments
         return (
             first - damped * second / 2,
             zeroth - damped * first + jnp.square(damped) * second / 2,
         )
+
+    def felt(self, coupling: Float[Array, "..."]) -> tuple[Array, Array]:
+        r"""What a coordinate that the cables tie to the carriage feels of its displacement.
+
+        $$ \delta x / h = \kappa E_3 / 6, \qquad \delta v = \kappa E_2 / 2 $$
+
+        Args:
+            coupling: Acceleration of the coordinate per displacement of the carriage, times
+                the step's length squared, $\kappa$ [1 for a displacement].
+
+        Returns:
+            Its displacement over the step's length, and its velocity, to be added likewise.
+        """
+        _, _, second, third = self.moments
+        return coupling * third / 6, coupling * second / 2
 
 
 def branch_at_start(
@@ -106,16 +122,15 @@ def deviation(
         Moments of the deviation and whether the carriage sticks in the end.
     """
     assumed = assumed._replace(velocity=Quadratic(*map(once, assumed.velocity)))
-    branch, _, _, limit, _ = assumed
+    branch, limit = assumed.branch, assumed.limit
     slides = branch != 0
     stop, stops = _stop(assumed)
     stop = once(stop)
     load = Quadratic(*map(once, _load_when_stopped(assumed, stop, stops)))
 
-    reverses = stops & (jnp.abs(load(stop)) > limit)
+    reverses = stops & (-branch * load(stop) > limit)
     holds = (stops & ~reverses) | ~slides
-    release, breaks_away = _release(load, limit, stop, holds)
-    release = once(release)
+    release = once(_release(load, limit, stop, holds))
 
     # Assumed minus true friction from the stop on, and what the release adds to that. What
     # doesn't happen has its instant at the step's end, where its moments are zero.
@@ -126,16 +141,10 @@ def deviation(
         jnp.where(rests, -load.linear, 0.0),
         jnp.where(rests, -load.quadratic, 0.0),
     )
-    side = jnp.sign(load(1.0))
-    released = load._replace(constant=load.constant - side * limit)
+    released = load._replace(constant=load.constant - jnp.sign(load(1.0)) * limit)
+    tails = [_tail(stopped, stop, once=once), _tail(released, release, once=once)]
     return Deviation(
-        tuple(
-            once(after_stop + after_release)
-            for after_stop, after_release in zip(
-                _moments(stopped, stop), _moments(released, release), strict=True
-            )
-        ),
-        holds & ~breaks_away,
+        tuple(once(_moment(order, *tails)) for order in range(4)), holds & (release == 1)
     )
 
 
@@ -152,7 +161,21 @@ def _stop(assumed: Assumed) -> tuple[Float[Array, ""], Bool[Array, ""]]:
     from_rest = jnp.where(turns, -linear / jnp.where(turns, quadratic, 1.0), 1.0)
     time = jnp.where(start == 0, from_rest, moving)
     stops = (branch != 0) & (time < 1)
-    return jnp.where(branch == 0, 0.0, jnp.where(stops, time, 1.0)), stops
+    time = jnp.where(stops, time, 1.0)
+    return jnp.where(branch == 0, 0.0, jnp.where(stops, _nearer(assumed, time), 1.0)), stops
+
+
+def _nearer(assumed: Assumed, time: Float[Array, ""]) -> Float[Array, ""]:
+    r"""A zero of the quadratic, one step of Newton's nearer to that of the cubic.
+
+    The cubic is the quadratic and $b\,\theta^2(\theta - 1)$, with the bend $b$.
+    """
+    _, linear, quadratic = assumed.velocity
+    excess = assumed.bend * jnp.square(time) * (time - 1)
+    slope = linear + time * (2 * quadratic + assumed.bend * (3 * time - 2))
+    falls = assumed.branch * slope < 0
+    correction = jnp.where(falls, excess / jnp.where(falls, slope, 1.0), 0.0)
+    return jnp.clip(time - correction, 0.0, 1.0)
 
 
 def _load_when_stopped(
@@ -175,7 +198,7 @@ def _load_when_stopped(
 
 def _release(
     load: Quadratic, limit: Float[Array, ""], stop: Float[Array, ""], holds: Bool[Array, ""]
-) -> tuple[Float[Array, ""], Bool[Array, ""]]:
+) -> Float[Array, ""]:
     """When the load of a held carriage passes the limit; the step's end if it doesn't."""
     side = jnp.sign(load(1.0))
     breaks_away = holds & (jnp.abs(load(1.0)) > limit)
@@ -186,20 +209,31 @@ def _release(
     denominator = -slope - side * jnp.sqrt(jnp.where(real, discriminant, 1.0))
     found = real & (denominator != 0)
     held_for = jnp.where(found, 2 * surplus / jnp.where(found, denominator, 1.0), 0.0)
-    release = jnp.where(breaks_away, jnp.clip(stop + held_for, stop, 1.0), 1.0)
-    return release, breaks_away
+    return jnp.where(breaks_away, jnp.clip(stop + held_for, stop, 1.0), 1.0)
 
 
-def _moments(
-    polynomial: Quadratic, begin: Float[Array, ""]
-) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
-    r"""$\int_{begin}^1 (1-\theta)^k p(\theta)\,d\theta$ for k = 0, 1, 2, in $1-\theta$."""
+class _Tail(NamedTuple):
+    """A polynomial from an instant to the step's end, in the share of that time left."""
+
+    left: Float[Array, ""]
+    coefficients: Quadratic
+
+
+def _tail(
+    polynomial: Quadratic, begin: Float[Array, ""], *, once: Callable[[Array], Array]
+) -> _Tail:
     left = 1 - begin
-    constant = polynomial(1.0)
-    linear = -left * (polynomial.linear + 2 * polynomial.quadratic)
-    quadratic = jnp.square(left) * polynomial.quadratic
-    return (
-        left * (constant + linear / 2 + quadratic / 3),
-        left**2 * (constant / 2 + linear / 3 + quadratic / 4),
-        left**3 * (constant / 3 + linear / 4 + quadratic / 5),
+    _, linear, quadratic = polynomial
+    coefficients = Quadratic(
+        polynomial(1.0), -left * (linear + 2 * quadratic), jnp.square(left) * quadratic
+    )
+    return _Tail(left, Quadratic(*map(once, coefficients)))
+
+
+def _moment(order: int, *tails: _Tail) -> Float[Array, ""]:
+    r"""$\int (1-\theta)^k p(\theta)\,d\theta$ over tails, k the order."""
+    k = order + 1
+    return sum(
+        left**k * (constant / k + linear / (k + 1) + quadratic / (k + 2))
+        for left, (constant, linear, quadratic) in tails
     )
