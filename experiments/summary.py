@@ -195,29 +195,3 @@ def _print_words(console: Console, said: Words, *, parameters: int) -> None:
 def _print_lines(console: Console, lines: Sequence[str]) -> None:
     for line in lines:
         console.print(Text(f"- {line}"), soft_wrap=False)
-
-
-def show_sweep(console: Console, dataset: "xr.Dataset") -> None:
-    """What a sweep holds: its axes, and the range of every variable.
-
-    Args:
-        console: Where to show it.
-        dataset: The sweep's result.
-    """
-    axes = Table("axis", "values", "from", "to", "unit", box=None)
-    for name, values in dataset.coords.items():
-        if "units" in values.attrs:
-            first, last = float(values.min()), float(values.max())
-            unit = values.attrs["units"]
-            axes.add_row(str(name), str(values.size), f"{first:.4g}", f"{last:.4g}", unit)
-    console.print(axes)
-    table = Table("variable", "least", "median", "largest", "unit", "meaning", box=None)
-    for name, values in dataset.data_vars.items():
-        meaning, unit = values.attrs["long_name"], values.attrs["units"]
-        if values.dtype == bool:
-            table.add_row(str(name), "", "", "", f"{float(values.mean()):.1%} true", meaning)
-            continue
-        finite = values.values[np.isfinite(values.values)]
-        numbers = np.quantile(finite, [0, 0.5, 1]) if finite.size else [np.nan] * 3
-        table.add_row(str(name), *(f"{n:.4g}" for n in numbers), unit, meaning)
-    console.print(table)

@@ -1,13 +1,14 @@
 """Axes of a sweep, as people write them."""
 
-import math
 import re
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from identification.quantities import QuantityError, parse_quantity
+from scdpr_jax.parameters import Robot
 
 
 class Variable(NamedTuple):
@@ -19,10 +20,10 @@ class Variable(NamedTuple):
     """SI unit."""
     meaning: str
     """What it is."""
-    default: float | None
-    """Its value where it isn't swept [in `unit`]; None where the robot has it."""
-    positive: bool = True
-    """Whether it must be above zero."""
+    default: Callable[[Robot], Any]
+    """Its value where it isn't swept, which the robot may know [in `unit`]."""
+    positive: bool | None = True
+    """Whether it must be above zero; False: it may be zero, None: it may have any sign."""
 
 
 class Axis(NamedTuple):
@@ -44,38 +45,53 @@ _LIST = re.compile(
 )
 
 
-def parse_axis(text: str, variables: dict[str, Variable]) -> Axis:
-    """An axis from its text.
+def parse_axes(texts: Sequence[str], variables: Sequence[Variable]) -> tuple[Axis, ...]:
+    """The axes of a sweep from their texts.
 
     Args:
-        text: `NAME=LOW..HIGH:COUNT UNIT`, evenly spaced with both ends, or
+        texts: Each `NAME=LOW..HIGH:COUNT UNIT`, evenly spaced with both ends, or
             `NAME=VALUE, VALUE, … UNIT`; without a unit where it is 1.
-        variables: What can vary, by name.
+        variables: What can vary.
 
     Returns:
-        The axis.
+        The axes.
 
     Raises:
-        ValueError: If the text isn't one, names nothing known, or has values out of range.
+        ValueError: If there is none, one isn't an axis, names nothing known or what another
+            one has named, or has values out of range.
     """
+    axes = tuple(_axis(text, variables) for text in texts)
+    names = [axis.variable.name for axis in axes]
+    if not axes or len(set(names)) != len(names):
+        raise QuantityError(
+            "axes that can't span a grid",
+            name="--over",
+            got=", ".join(names) or "none",
+            expected="one axis or more, each once",
+            remedy=f"Choose from: {', '.join(v.name for v in variables)}.",
+        )
+    return axes
+
+
+def _axis(text: str, variables: Sequence[Variable]) -> Axis:
     name, _, written = (part.strip() for part in text.partition("="))
-    if name not in variables:
+    variable = next((v for v in variables if v.name == name), None)
+    if variable is None:
         raise QuantityError(
             "no such axis",
             name="--over",
-            got=repr(name),
-            expected=f"one of: {', '.join(variables)}",
+            got=repr(text),
+            expected=f"one of: {', '.join(v.name for v in variables)}",
             remedy='Write it like "y=0.2..0.9:50 m".',
         )
-    variable = variables[name]
-    values = _values(written, variable, text)
-    if not np.all(values > 0 if variable.positive else values >= 0):
+    values = _values(written, variable)
+    if not _allowed(values, variable):
         raise QuantityError(
             "out of range",
             name=f"--over {name}",
             got=repr(written),
             expected=f"values {'above' if variable.positive else 'of or above'} 0",
-            remedy=f"It is the {variable.meaning} [{variable.unit}].",
+            remedy=f"It is: {variable.meaning} [{variable.unit}].",
         )
     if np.unique(values).size != values.size:
         raise QuantityError(
@@ -88,11 +104,17 @@ def parse_axis(text: str, variables: dict[str, Variable]) -> Axis:
     return Axis(variable, values)
 
 
-def _values(written: str, variable: Variable, text: str) -> Float[np.ndarray, " points"]:
+def _allowed(values: Float[np.ndarray, " points"], variable: Variable) -> bool:
+    if variable.positive is None:
+        return True
+    return bool(np.all(values > 0 if variable.positive else values >= 0))
+
+
+def _values(written: str, variable: Variable) -> Float[np.ndarray, " points"]:
+    name = f"--over {variable.name}"
+
     def scaled(number: str, unit: str) -> float:
-        return parse_quantity(
-            f"{number} {unit}", unit=variable.unit, name=f"--over {variable.name}"
-        )
+        return parse_quantity(f"{number} {unit}", unit=variable.unit, name=name)
 
     if found := _RANGE.fullmatch(written):
         low, high = (scaled(found[end], found["unit"]) for end in ("low", "high"))
@@ -104,38 +126,10 @@ def _values(written: str, variable: Variable, text: str) -> Float[np.ndarray, " 
     unit = "" if variable.unit == "1" else f" {variable.unit}"
     raise QuantityError(
         "no values",
-        name="--over",
-        got=repr(text),
-        expected="NAME=LOW..HIGH:COUNT UNIT with LOW below HIGH and COUNT 2 or more, or "
-        "NAME=VALUE, VALUE UNIT",
+        name=name,
+        got=repr(written),
+        expected="LOW..HIGH:COUNT UNIT with LOW below HIGH and COUNT 2 or more, or "
+        "VALUE, VALUE UNIT",
         remedy=f'Write it like "{variable.name}=0.2..0.9:50{unit}" or '
         f'"{variable.name}=0.2, 0.9{unit}".',
     )
-
-
-def rows(axes: tuple[Axis, ...], first: int, last: int) -> Float[np.ndarray, "points axes"]:
-    """Points of the grid that axes span, the last axis the fastest.
-
-    Args:
-        axes: The axes.
-        first: Index of the first point.
-        last: Index after the last point.
-
-    Returns:
-        The points, one a row [in the axes' units].
-    """
-    shape = tuple(len(axis.values) for axis in axes)
-    places = np.unravel_index(np.arange(first, last), shape)
-    return np.stack([a.values[i] for a, i in zip(axes, places, strict=True)], axis=1)
-
-
-def count(axes: tuple[Axis, ...]) -> int:
-    """Number of points of the grid that axes span.
-
-    Args:
-        axes: The axes.
-
-    Returns:
-        The number.
-    """
-    return math.prod(len(axis.values) for axis in axes)

@@ -1,44 +1,50 @@
-"""A sweep, part by part: what is done is kept, and a stopped one goes on where it was."""
+"""A sweep, chunk by chunk: what is done is kept, and a stopped one goes on where it was."""
 
 import importlib.metadata
-import json
 import pathlib
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from typing import Any
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from jaxtyping import Array, Float
 
-from experiments.sweep.axes import Axis, count, rows
-from experiments.sweep.measures import MEASURES, Measure, Results, Values, defaults
-from scdpr_jax.batches import chunks
-from scdpr_jax.files import whole_file, write_whole
+from experiments.sweep.axes import Axis
+from experiments.sweep.grid import Grid
+from experiments.sweep.measure import Compute, Measure, Values
+from experiments.sweep.netcdf import write_dataset
+from experiments.sweep.store import Store, claim
+from identification.quantities import format_quantity
+from scdpr_jax.batches import in_chunks
 from scdpr_jax.parameters import QUANTITIES, Robot, replace
 
-_MANIFEST = "manifest.json"
+_ROBOT = frozenset(quantity.name for quantity in QUANTITIES)
 
 
 class _Point(eqx.Module):
     """A measure at one point of a sweep."""
 
     robot: Robot
-    fixed: dict[str, float] = eqx.field(static=True)
+    fixed: Values
     names: tuple[str, ...] = eqx.field(static=True)
-    compute: Callable[[Robot, Values], Results] = eqx.field(static=True)
+    compute: Compute = eqx.field(static=True)
 
-    def __call__(self, values: Float[Array, " axes"]) -> Results:
+    @property
+    def dtype(self) -> np.dtype:
+        """Of what it computes with."""
+        return np.dtype(self.robot.frame.width.dtype)
+
+    def __call__(self, values: Float[Array, " axes"]) -> tuple[Array, ...]:
         swept = dict(zip(self.names, values, strict=True))
-        known = {quantity.name for quantity in QUANTITIES}
-        robot = replace(self.robot, {n: v for n, v in swept.items() if n in known})
-        fixed = {name: jax.numpy.asarray(v, values.dtype) for name, v in self.fixed.items()}
-        return self.compute(robot, fixed | swept)
+        robot = replace(self.robot, {n: v for n, v in swept.items() if n in _ROBOT})
+        return self.compute(robot, {**self.fixed, **swept})
 
 
 def sweep(
-    measure_name: str,
+    measure: Measure,
     axes: tuple[Axis, ...],
     robot: Robot,
     out: pathlib.Path,
@@ -47,156 +53,112 @@ def sweep(
 ) -> xr.Dataset:
     """Compute a measure over the grid that axes span, and write it as netCDF.
 
-    Parts of the grid are kept in a folder beside the file while it isn't done: the same
-    call goes on where the last one was stopped, at whatever moment, and ends with the same
-    bits. The folder is removed in the end.
+    While it isn't done, results are kept in a folder beside the file: the same call goes on
+    where the last one was stopped, at whatever moment, and ends with the same bits. The
+    folder is removed in the end.
 
     Args:
-        measure_name: Which of `MEASURES`.
+        measure: What to compute.
         axes: The axes, the last one the fastest.
         robot: The robot; its leaves' dtype is the sweep's.
         out: The netCDF file.
         progress: Told what is being done and which share of it all is done.
 
     Returns:
-        The dataset as written: one dimension for each axis, and those of the measure.
+        The dataset as written, read as it is asked for: a dimension for each axis, and those
+        of the measure.
 
     Raises:
         ValueError: If the file exists, or parts of another sweep are in its place.
         OSError: If the place can't be written to.
     """
-    measure = MEASURES[measure_name]
-    folder = out.with_name(f".{out.name}.parts")
     if out.exists():
         raise ValueError(
             f"`--out`: {out} exists already, got a file, expected none. Name another one, or "
             "remove it."
         )
-    manifest = _manifest(measure_name, measure, axes, robot)
-    _claim(folder, manifest, out)
-
-    total = count(axes)
-    dtype = np.asarray(robot.frame.width).dtype
+    grid = Grid(axes)
+    values = {
+        v.name: float(v.default(robot)) for v in measure.known if v.name not in grid.names
+    }
     point = _Point(
         robot=robot,
-        fixed=_fixed(measure, axes, robot),
-        names=tuple(axis.variable.name for axis in axes),
-        compute=measure.function(axes),
+        fixed={
+            n: jnp.asarray(v, robot.frame.width.dtype)
+            for n, v in values.items()
+            if n not in _ROBOT
+        },
+        names=grid.names,
+        compute=measure.compute(axes),
     )
-    starts = range(0, total, measure.part)
-    for first in starts:
-        part = folder / f"{first:012d}.npz"
-        last = min(first + measure.part, total)
-        if not part.exists():
-            found = []
-            for chunk in chunks(
-                point, rows(axes, first, last).astype(dtype), size=measure.chunk
-            ):
-                found.append(chunk)
-                done = first + sum(len(results[0]) for results in found)
-                progress(f"{done:,} of {total:,} points", done / total)
-            named = {
-                output.name: np.concatenate(leaves)
-                for output, leaves in zip(
-                    measure.outputs, zip(*found, strict=True), strict=True
-                )
-            }
-            with whole_file(part) as scratch, scratch.open("wb") as file:
-                np.savez(file, **named)
-        progress(f"{last:,} of {total:,} points", last / total)
-
-    parts = (folder / f"{first:012d}.npz" for first in starts)
-    dataset = _dataset(measure, axes, manifest, parts)
-    with whole_file(out) as scratch:
-        dataset.to_netcdf(scratch, engine="h5netcdf")
-    shutil.rmtree(folder)
-    return dataset
+    store = claim(
+        out.with_name(f".{out.name}.unfinished"),
+        _record(measure, point),
+        _inputs(measure, grid, robot, values),
+    )
+    _fill(measure, grid, point, store, progress)
+    progress("writing", 1.0)
+    write_dataset(out, measure, grid, store, _attributes(measure, values))
+    store.remove()
+    return xr.open_dataset(out, engine="h5netcdf")
 
 
-def _fixed(measure: Measure, axes: tuple[Axis, ...], robot: Robot) -> dict[str, float]:
-    """The measure's own variables that aren't swept."""
-    swept = {axis.variable.name for axis in axes}
-    own = {variable.name for variable in measure.variables} - swept
-    return {n: v for n, v in defaults(measure, robot).items() if n in own}
+def _fill(
+    measure: Measure,
+    grid: Grid,
+    point: _Point,
+    store: Store,
+    progress: Callable[[str, float], None],
+) -> None:
+    """Compute the points that the store hasn't."""
+    done, size = store.done, measure.chunk * jax.device_count()
+    progress("compiling", done / grid.count)
+    # From a chunk's beginning on, as in a sweep that is never stopped.
+    for first in range(done // size * size, grid.count, size):
+        points = grid.points(first, min(first + size, grid.count)).astype(point.dtype)
+        records = np.empty(len(points), store.record)
+        found = in_chunks(point, points, size=measure.chunk)
+        for output, values in zip(measure.outputs, found, strict=True):
+            records[output.name] = values
+        store.write(first, records)
+        last = first + len(points)
+        progress(f"{last:,} of {grid.count:,} points", last / grid.count)
 
 
-def _manifest(name: str, measure: Measure, axes: tuple[Axis, ...], robot: Robot) -> str:
+def _record(measure: Measure, point: _Point) -> np.dtype:
+    """What is kept of a point, from the function's own result."""
+    one = jax.ShapeDtypeStruct((len(point.names),), point.dtype)
+    found = jax.eval_shape(point, one)
+    return np.dtype(
+        [
+            (o.name, leaf.dtype, leaf.shape)
+            for o, leaf in zip(measure.outputs, found, strict=True)
+        ]
+    )
+
+
+def _inputs(
+    measure: Measure, grid: Grid, robot: Robot, values: dict[str, float]
+) -> dict[str, Any]:
     """Everything that the results follow from."""
-    values = defaults(measure, robot)
-    for axis in axes:
-        values.pop(axis.variable.name)
-    return json.dumps(
-        {
-            "format": 1,
-            "measure": name,
-            "axes": {axis.variable.name: axis.values.tolist() for axis in axes},
-            "values": values,
-            "robot": [np.asarray(leaf).tolist() for leaf in jax.tree.leaves(robot)],
-            "dtype": str(np.asarray(robot.frame.width).dtype),
-            "part": measure.part,
-            "versions": {p: importlib.metadata.version(p) for p in ("scdpr-jax", "jax")},
-        },
-        indent=1,
-    )
+    return {
+        "measure": measure.name,
+        "axes": {axis.variable.name: axis.values.tolist() for axis in grid.axes},
+        "values": values,
+        "robot": [np.asarray(leaf).tolist() for leaf in jax.tree.leaves(robot)],
+        "versions": _versions(),
+    }
 
 
-def _claim(folder: pathlib.Path, manifest: str, out: pathlib.Path) -> None:
-    """Make the folder of the parts, or find in it what this same sweep has left there."""
-    place = folder / _MANIFEST
-    if place.exists() and place.read_text(encoding="utf-8") != manifest:
-        raise ValueError(
-            f"`--out`: {folder} has parts of another sweep to {out}, got other axes, another "
-            "robot or version, expected the same. Give the call that began it, name another "
-            "file, or remove the folder."
-        )
-    write_whole(place, manifest)
+def _attributes(measure: Measure, values: dict[str, float]) -> dict[str, str]:
+    """What a dataset says of itself, and of what wasn't swept."""
+    units = {variable.name: variable.unit for variable in measure.known}
+    return {
+        "title": f"scdpr sweep {measure.name}",
+        "source": ", ".join(f"{name} {version}" for name, version in _versions().items()),
+        **{name: format_quantity(value, units[name]) for name, value in values.items()},
+    }
 
 
-def _dataset(
-    measure: Measure, axes: tuple[Axis, ...], manifest: str, parts: Iterator[pathlib.Path]
-) -> xr.Dataset:
-    """The parts put together and labelled."""
-    total = count(axes)
-    shape = tuple(len(axis.values) for axis in axes)
-    names = tuple(axis.variable.name for axis in axes)
-    whole: dict[str, np.ndarray] = {}
-    first = 0
-    for path in parts:
-        with np.load(path, allow_pickle=False) as part:
-            last = first
-            for output in measure.outputs:
-                rows_ = part[output.name]
-                target = whole.setdefault(
-                    output.name, np.empty((total, *rows_.shape[1:]), rows_.dtype)
-                )
-                last = first + len(rows_)
-                target[first:last] = rows_
-        first = last
-    written = json.loads(manifest)
-    dataset = xr.Dataset(
-        {
-            o.name: (
-                (*names, *o.dimensions),
-                whole[o.name].reshape(*shape, *whole[o.name].shape[1:]),
-                {"units": o.unit, "long_name": o.meaning},
-            )
-            for o in measure.outputs
-        },
-        coords={
-            **{
-                a.variable.name: (
-                    (a.variable.name,),
-                    a.values,
-                    {"units": a.variable.unit, "long_name": a.variable.meaning},
-                )
-                for a in axes
-            },
-            **{name: (name, list(labels)) for name, labels in measure.coordinates.items()},
-        },
-        attrs={
-            "title": f"scdpr sweep {written['measure']}",
-            "fixed_values": json.dumps(written["values"]),
-            "source": " ".join(f"{p} {v}" for p, v in written["versions"].items()),
-        },
-    )
-    return dataset
+def _versions() -> dict[str, str]:
+    return {name: importlib.metadata.version(name) for name in ("scdpr-jax", "jax", "jaxlib")}
