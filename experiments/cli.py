@@ -12,6 +12,7 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("tune", "gains and input shapers from parameters and frequencies: tuning.json"),
     ("simulate", "one manoeuvre of a fitted robot"),
     ("sweep", "frequency, workspace or closed loop over poses and parameters: netCDF"),
+    ("benchmark", "error beside speed, for this engine and its peers"),
 )
 """Every verb and what it does."""
 
