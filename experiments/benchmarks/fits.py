@@ -9,13 +9,13 @@ import numpy as np
 import optimistix
 from jaxtyping import Array, Float
 
+from experiments.benchmarks.batched import batched
 from experiments.benchmarks.contender import Contender
 from experiments.benchmarks.diffrax_peers import SmoothedLinear
 from experiments.benchmarks.engines import LinearEngine
 from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.problem import FREE, MIDDLE, PARTS, REFINED, drawn
 from experiments.benchmarks.timing import interleaved
-from scdpr_jax.batches import in_chunks
 
 BATCHES = (1, 256)
 """Fits at once."""
@@ -65,15 +65,15 @@ def linear(settings: Settings) -> Iterator[Line]:
     forward_mode = SmoothedLinear(diffrax.Tsit5(), 1e-4, diffrax.ForwardMode())
     batches = [b for b in BATCHES if b <= max(settings.largest_batch, 1)]
     truth = drawn(max(batches))
-    measured = in_chunks(LinearEngine(REFINED * PARTS), truth, size=min(CHUNK, len(truth)))
+    measured = batched(LinearEngine(REFINED * PARTS), truth, chunk=min(CHUNK, len(truth)))
     for batch in batches:
         taking_part = {"this": Fit(LinearEngine())}
         if batch == 1:
             taking_part["diffrax ForwardMode, Tsit5 1e-4"] = Fit(forward_mode)
         times = interleaved(
             {
-                name: lambda fit=fit, batch=batch: in_chunks(
-                    fit, measured[:batch], size=min(CHUNK, batch)
+                name: lambda fit=fit, batch=batch: batched(
+                    fit, measured[:batch], chunk=min(CHUNK, batch)
                 )
                 for name, fit in taking_part.items()
             },

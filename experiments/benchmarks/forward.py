@@ -7,13 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from experiments.benchmarks import mujoco_peer, scipy_peer
+from experiments.benchmarks.batched import batched
 from experiments.benchmarks.contender import Contender
 from experiments.benchmarks.diffrax_peers import WIDTH, Smoothed, SmoothedLinear
 from experiments.benchmarks.engines import LinearEngine, NonlinearEngine
 from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.problem import DURATION, PARTS, REFINED, drawn, error
 from experiments.benchmarks.timing import Timed, fastest, interleaved
-from scdpr_jax.batches import in_chunks
 
 BATCHES = (1, 64, 1024, 4096)
 """Runs at once."""
@@ -22,7 +22,7 @@ JUDGED = 16
 CHUNKS = (16, 64, 128, 256)
 """Chunks among which each contender has its fastest."""
 IMPLICIT_UP_TO = 64
-"""Largest batch of the implicit solver, some twenty times slower than the explicit one."""
+"""Largest batch of the implicit solver, the slowest."""
 
 
 def linear(settings: Settings) -> Iterator[Line]:
@@ -48,7 +48,7 @@ def nonlinear(settings: Settings) -> Iterator[Line]:
     """
     row = "forward, nonlinear"
     yield from _forward(row, NonlinearEngine, Smoothed, settings)
-    truth = in_chunks(NonlinearEngine(REFINED * PARTS), drawn(JUDGED), size=JUDGED)[0]
+    truth = batched(NonlinearEngine(REFINED * PARTS), drawn(JUDGED), chunk=JUDGED)[0]
     yield _single(row, scipy_peer.NAME, scipy_peer.run, truth, settings)
     if missing := mujoco_peer.missing():
         yield Line(row, mujoco_peer.NAME, 1, note=f"not run: {missing}")
@@ -63,8 +63,8 @@ def _forward(
     settings: Settings,
 ) -> Iterator[Line]:
     values = drawn(max(JUDGED, settings.largest_batch))
-    truth = in_chunks(engine(REFINED * PARTS), values[:JUDGED], size=JUDGED)
-    smoothed = in_chunks(smooth(diffrax.Tsit5(), 1e-9), values[:JUDGED], size=JUDGED)
+    truth = batched(engine(REFINED * PARTS), values[:JUDGED], chunk=JUDGED)
+    smoothed = batched(smooth(diffrax.Tsit5(), 1e-9), values[:JUDGED], chunk=JUDGED)
     single = values.astype(np.float32)
     contenders = {
         "this": (engine(PARTS), values),
@@ -98,14 +98,14 @@ def _forward(
         row,
         "diffrax Kvaerno5 1e-5",
         IMPLICIT_UP_TO + 1,
-        note="larger batches not run: it takes some twenty times as long as Tsit5",
+        note="larger batches not run, to keep this short",
     )
 
 
 def _call(
     contender: Contender, values: Float[np.ndarray, "runs 4"], chunk: int
 ) -> Callable[[], Float[np.ndarray, "runs rows 5"]]:
-    return lambda: in_chunks(contender, values, size=chunk)
+    return lambda: batched(contender, values, chunk=chunk)
 
 
 def _best_chunk(

@@ -8,13 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from experiments.benchmarks.batched import batched
 from experiments.benchmarks.contender import Contender
 from experiments.benchmarks.diffrax_peers import SmoothedLinear
 from experiments.benchmarks.engines import LinearEngine
 from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.problem import ARM, FREE, PARTS, REFINED, drawn
 from experiments.benchmarks.timing import interleaved
-from scdpr_jax.batches import in_chunks
 
 BATCHES = (64, 1024)
 """Runs at once."""
@@ -51,15 +51,15 @@ def linear(settings: Settings) -> Iterator[Line]:
     forward_mode = SmoothedLinear(diffrax.Tsit5(), 1e-4, diffrax.ForwardMode())
     values = drawn(max(JUDGED, settings.largest_batch))
     exact = Jacobian(LinearEngine(REFINED * PARTS))
-    truth = in_chunks(exact, values[:JUDGED], size=JUDGED)
+    truth = batched(exact, values[:JUDGED], chunk=JUDGED)
     for batch in (b for b in BATCHES if b <= settings.largest_batch):
         taking_part = {"forward": engine, "this": Jacobian(engine)}
         if batch <= PEER_UP_TO:
             taking_part["diffrax ForwardMode, Tsit5 1e-4"] = Jacobian(forward_mode)
         times = interleaved(
             {
-                name: lambda contender=contender, batch=batch: in_chunks(
-                    contender, values[:batch], size=min(CHUNK, batch)
+                name: lambda contender=contender, batch=batch: batched(
+                    contender, values[:batch], chunk=min(CHUNK, batch)
                 )
                 for name, contender in taking_part.items()
             },
@@ -88,7 +88,7 @@ def linear(settings: Settings) -> Iterator[Line]:
         row,
         "diffrax ForwardMode, Tsit5 1e-4",
         PEER_UP_TO + 1,
-        note="larger batches not run: a run costs it the same in them",
+        note="larger batches not run, to keep this short",
     )
 
 

@@ -18,15 +18,16 @@ HEADER = ("task", "who", "at once", "time", "rate", "compile", "ratio", "error",
 _TEXT = """# Performance
 
 Written by `scdpr benchmark`. Every contender solves the same problem: 2 s of the prototype at
-T = 350 N and μ = 0.005, each value of μ, J, b and T drawn within ±30 %, 6 V on both drives for a
-second and a second of coasting, logged every 25 ms; the engines step at 200 Hz. Times are medians of
-calls that take turns; compilation is apart, setting a run up is included. Ratios are within one run.
-Batches go through `scdpr_jax.batches` in the chunk of 16 to 256 in which each contender is fastest.
+T = 350 N and μ = 0.005, each value of μ, J, b and T drawn within ±30 %, 6 V on both drives for
+a second and a second of coasting, logged every 25 ms; the engines step at 200 Hz. Times are
+medians of calls that take turns; compilation is apart, setting a run up is included. Ratios are
+within one run. Everything runs on one device; batches go through `jax.lax.map`, forward runs in
+the chunk of 16 to 256 in which each contender is fastest.
 
-Errors are the largest of a position in 16 runs against exact friction (this engine at 4 kHz, which
-tests hold to the event-by-event reference); a tilt counts as the way of the attachments. Smoothed
-friction is another model: most of its error is the smoothing's, and its note says how far the solver
-is off that model's own solution.
+Errors are the largest of a position in up to 16 runs against exact friction (this engine at
+4 kHz, which tests hold to the event-by-event reference); a tilt counts as the way of the
+attachments. Smoothed friction is another model: most of its error is the smoothing's, and its
+note says how far the solver is off that model's own solution.
 
 {machine}
 
