@@ -9,6 +9,7 @@ set as hard as it goes, which comes five times nearer to dry friction than the d
 import functools
 import importlib.util
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -101,7 +102,7 @@ def run(values: Float[np.ndarray, "4"]) -> Float[np.ndarray, "rows 5"]:
 def _model(values: tuple[float, ...]) -> tuple[object, Float[np.ndarray, "steps 5"]]:
     import mujoco
 
-    robot = robot_of(np.asarray(values))
+    robot = robot_of(jnp.asarray(values))
     body, drive = robot.end_effector, robot.drive
     radius, pull = float(drive.effective_radius), 2 * float(robot.cable.effective_pretension)
     numbers = {
