@@ -69,7 +69,7 @@ def linear(settings: Settings) -> Iterator[Line]:
         for name in list(taking_part)[1:]:
             timed = times[name]
             forward = timed.median / times["forward"].median
-            ratio = f"{forward:.1f} times this engine's forward run"
+            ratio = f"{forward:.1f} times this engine's forward"
             if name != "this":
                 ratio += f"; this is {timed.median / ours:.1f} × faster"
             yield Line(
