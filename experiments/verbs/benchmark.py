@@ -20,7 +20,8 @@ def benchmark(
 ) -> int:
     """Measure this engine beside diffrax, scipy and MuJoCo on one problem.
 
-    Some ten minutes on two quiet cores. What isn't run stands in the table with its reason.
+    Give it a quiet machine, for a quarter of an hour or more; most of it is compilation. What
+    isn't run stands in the table with its reason.
 
     Args:
         out: Folder for performance.md and performance.json.
