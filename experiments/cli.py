@@ -11,6 +11,8 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
     ("tune", "gains and input shapers from parameters and frequencies: tuning.json"),
     ("simulate", "one manoeuvre of a fitted robot"),
+    ("sweep", "frequency, workspace or closed loop over poses and parameters: netCDF"),
+    ("benchmark", "error beside speed, for this engine and its peers"),
 )
 """Every verb and what it does."""
 

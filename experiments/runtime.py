@@ -17,9 +17,16 @@ from rich.progress import (
 )
 
 
-def set_up() -> None:
-    """Float64, on the CPU, with compiled functions kept from one run to the next."""
-    jax.config.update("jax_enable_x64", True)
+def set_up(*, double: bool = True, all_cores: bool = False) -> None:
+    """Float64, on the CPU, with compiled functions kept from one run to the next.
+
+    Args:
+        double: Whether to compute in float64; fits need it, maps don't.
+        all_cores: Whether each core is a device of its own, for `scdpr_jax.batches`.
+    """
+    jax.config.update("jax_enable_x64", double)
+    if all_cores:
+        jax.config.update("jax_num_cpu_devices", os.cpu_count() or 1)
     home = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
     jax.config.update("jax_compilation_cache_dir", str(pathlib.Path(home) / "scdpr-jax"))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 1.0)

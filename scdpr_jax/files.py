@@ -1,8 +1,10 @@
 """Files that are written whole or not at all."""
 
+import contextlib
 import os
 import pathlib
 import tempfile
+from collections.abc import Iterator
 
 
 def write_whole(path: pathlib.Path, text: str) -> None:
@@ -18,12 +20,29 @@ def write_whole(path: pathlib.Path, text: str) -> None:
     Raises:
         OSError: If the place can't be written to; what was there is still there.
     """
+    with whole_file(path) as scratch:
+        scratch.write_text(text, encoding="utf-8", newline="")
+
+
+@contextlib.contextmanager
+def whole_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
+    """A place to write a file that takes another's place in one step, if all went well.
+
+    Args:
+        path: The file, replaced if it exists; its folder is made where it is missing.
+
+    Yields:
+        An empty file beside it to be written.
+
+    Raises:
+        OSError: If the place can't be written to; what was there is still there.
+    """
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-", suffix=".tmp")
+    os.close(handle)
     try:
-        with open(handle, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
+        yield pathlib.Path(name)
         # A temporary file is its owner's alone; the result is to be read like any other.
         os.chmod(name, 0o644)
         os.replace(name, path)

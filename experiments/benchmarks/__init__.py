@@ -1,0 +1,1 @@
+"""Error beside speed, for this engine and its peers: `scdpr benchmark`."""

@@ -1,0 +1,16 @@
+"""Every row of the benchmark."""
+
+from collections.abc import Callable, Iterator
+
+from experiments.benchmarks import cold_start, fits, forward, frequencies, jacobians
+from experiments.benchmarks.line import Line, Settings
+
+ROWS: tuple[tuple[str, Callable[[Settings], Iterator[Line]]], ...] = (
+    ("forward-linear", forward.linear),
+    ("forward-nonlinear", forward.nonlinear),
+    ("jacobian", jacobians.linear),
+    ("fit", fits.linear),
+    ("frequencies", frequencies.million),
+    ("cold-start", cold_start.single_run),
+)
+"""Names of the rows and what measures them."""

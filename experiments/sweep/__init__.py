@@ -1,0 +1,1 @@
+"""Vectorised sweeps of the workspace and of parameters: `scdpr sweep`."""

@@ -1,0 +1,95 @@
+"""Sweeps of the closed loop: one move under the sampled PD, exact friction and all."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from experiments.sweep.axes import Axis, Variable
+from experiments.sweep.measure import Measure, Output, Values, X, Y, only_if
+from scdpr_jax.closed_loop import closed_loop
+from scdpr_jax.controller import PD, published_pd
+from scdpr_jax.dynamics import rest
+from scdpr_jax.parameters import Robot
+from scdpr_jax.trajectory import rest_to_rest
+from scdpr_jax.workspace import static_workspace
+
+PERIOD = 1e-3
+"""Sample period of the loop, section 6 [s]."""
+HOLD = 1000
+"""Samples after the arrival that count as rest: a second."""
+LEG_TIME = 1.5
+"""Time of the move where it isn't swept [s]."""
+
+
+class _Move(eqx.Module):
+    """One move, simulated until the slowest one of the sweep has come to rest."""
+
+    samples: int = eqx.field(static=True)
+
+    def __call__(self, robot: Robot, at: Values) -> tuple[Array, ...]:
+        start = jnp.stack([at["x"], at["y"]])
+        target = start + jnp.stack([at["distance"], at["rise"]])
+        time = PERIOD * jnp.arange(self.samples, dtype=start.dtype)
+        leg = rest_to_rest(start, target, duration=at["leg_time"])
+        reference = jax.vmap(leg.position)(time)
+        gains = PD(at["proportional_gain"], at["derivative_gain"], period=PERIOD)
+        begin = rest(robot, at["x"], at["x"], at["y"])
+        run = closed_loop(robot, begin, gains, reference=reference)
+
+        q = run.states.position
+        error = jnp.hypot(q[:, 0] - reference[:, 0], q[:, 4] - reference[:, 1])
+        arrival = jnp.ceil(at["leg_time"] / PERIOD).astype(int)
+        rested = jax.lax.dynamic_slice_in_dim(q[:, 0], arrival, HOLD)
+        outputs = (
+            jnp.max(error),
+            jnp.max(rested) - jnp.min(rested),
+            error[arrival + HOLD - 1],
+            jnp.max(jnp.abs(q[:, 1])),
+            jnp.max(jnp.abs(run.voltage)),
+        )
+        region = static_workspace(robot)
+        reachable = region.contains(start) & region.contains(target)
+        return (reachable, *(only_if(reachable, output) for output in outputs))
+
+
+def _longest(axes: tuple[Axis, ...]) -> _Move:
+    legs = {axis.variable.name: float(axis.values.max()) for axis in axes}
+    return _Move(samples=round(legs.get("leg_time", LEG_TIME) / PERIOD) + HOLD + 2)
+
+
+CLOSED_LOOP = Measure(
+    name="closed-loop",
+    variables=(
+        X._replace(meaning="where the move starts along the frame"),
+        Y._replace(meaning="height at which the move starts"),
+        Variable("distance", "m", "way along the frame", lambda robot: 0.4, None),
+        Variable("rise", "m", "way upwards", lambda robot: 0.0, None),
+        Variable("leg_time", "s", "time of the move", lambda robot: LEG_TIME),
+        Variable(
+            "proportional_gain",
+            "V/rad",
+            "proportional gain of the PD; by default Eq. (25)'s",
+            lambda robot: published_pd().proportional_gain,
+        ),
+        Variable(
+            "derivative_gain",
+            "V s/rad",
+            "derivative gain of the PD; by default Eq. (25)'s",
+            lambda robot: published_pd().derivative_gain,
+            False,
+        ),
+    ),
+    outputs=(
+        Output("reachable", "1", "start and target lie in the static workspace, Eq. (1)"),
+        Output("largest_error", "m", "largest distance from the reference, Eq. (26)"),
+        Output("vibration", "m", "peak to peak of x_e in the second after the arrival"),
+        Output("resting_error", "m", "distance from the target a second after the arrival"),
+        Output("largest_tilt", "rad", "largest rotation of the end-effector"),
+        Output("largest_command", "V", "largest command to a drive"),
+    ),
+    labels={},
+    compute=_longest,
+    chunk=64,
+)
+"""A move under the sampled PD, exact Coulomb friction on both carriages."""

@@ -1,0 +1,72 @@
+"""A sweep's results as a labelled netCDF file, written block by block."""
+
+import pathlib
+
+import h5netcdf
+import numpy as np
+import xarray as xr
+
+from experiments.sweep.grid import Grid, blocks
+from experiments.sweep.measure import Measure, Output
+from experiments.sweep.store import Store
+from scdpr_jax.files import whole_file
+
+BLOCK = 65536
+"""Points in memory at a time."""
+
+
+def write_dataset(
+    path: pathlib.Path, measure: Measure, grid: Grid, store: Store, attributes: dict[str, str]
+) -> None:
+    """Write a sweep's results, whole or not at all.
+
+    Every axis is a coordinate with its unit; truths are 0 and 1, which xarray reads as
+    booleans.
+
+    Args:
+        path: The file, replaced if it exists.
+        measure: What was computed.
+        grid: The grid that it was computed on.
+        store: The results.
+        attributes: What else is to be known of the whole.
+    """
+    with whole_file(path) as scratch:
+        _labels(measure, grid, attributes).to_netcdf(scratch, engine="h5netcdf")
+        with h5netcdf.File(scratch, "a") as file:
+            for output in measure.outputs:
+                _create(file, output, grid, store)
+            for block in blocks(grid.shape, BLOCK):
+                records = store.read(block.first, block.last)
+                for output in measure.outputs:
+                    variable = file.variables[output.name]
+                    shape = np.empty(grid.shape, "V0")[block.place].shape
+                    values = records[output.name]
+                    values = values.reshape(*shape, *values.shape[1:])
+                    variable[block.place] = values.astype(variable.dtype, copy=False)
+
+
+def _labels(measure: Measure, grid: Grid, attributes: dict[str, str]) -> xr.Dataset:
+    """The dataset without what was computed."""
+    axes = {
+        axis.variable.name: (
+            (axis.variable.name,),
+            axis.values,
+            {"units": axis.variable.unit, "long_name": axis.variable.meaning},
+        )
+        for axis in grid.axes
+    }
+    own = {name: (name, list(labels)) for name, labels in measure.labels.items()}
+    return xr.Dataset(coords={**axes, **own}, attrs=attributes)
+
+
+def _create(file: h5netcdf.File, output: Output, grid: Grid, store: Store) -> None:
+    kind, _ = store.record[output.name].subdtype or (store.record[output.name], ())
+    truth = kind == np.dtype(bool)
+    variable = file.create_variable(
+        output.name, (*grid.names, *output.dimensions), np.dtype("i1") if truth else kind
+    )
+    variable.attrs["long_name"] = output.meaning
+    variable.attrs["units"] = output.unit
+    if truth:
+        # xarray's own mark of a boolean; netCDF has none.
+        variable.attrs["dtype"] = "bool"
