@@ -11,6 +11,7 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
     ("tune", "gains and input shapers from parameters and frequencies: tuning.json"),
     ("simulate", "one manoeuvre of a fitted robot"),
+    ("reproduce", "the paper's tables and figures, beside what is printed, and judged"),
 )
 """Every verb and what it does."""
 
