@@ -29,6 +29,9 @@ COLUMNS = tuple(np.linspace(0.3, 1.9, 5).tolist())
 ROWS = tuple(np.linspace(0.2, 0.9, 4).tolist())
 """Heights of the knocks [m]: four, over Table 3's range; none is printed."""
 
+HEIGHTS = tuple(np.linspace(0.17, 0.94, 60).tolist())
+"""Heights of the drawn curves [m]: the end-effector clear of the guides by 3 cm."""
+
 FORCE = 10.0
 """Force of a knock [N]; none is printed. Carriages mostly stay where friction holds them."""
 
@@ -137,18 +140,43 @@ def fig11(force: float = FORCE) -> Knock:
 
 
 class Level(NamedTuple):
-    """First elastic mode of one carriage condition."""
+    """First elastic mode of one carriage condition; it grows with the root of the tension."""
 
     condition: Condition
     """What holds the carriages."""
-    nominal: Float[np.ndarray, " settings"]
-    """Frequency at mid-height with the nominal pretensions [Hz]."""
-    share: Float[np.ndarray, "2"]
-    """Effective over nominal pretension that the reported 2.4 and 3.9 Hz ask for [1]."""
-    rows: Float[np.ndarray, "settings rows"]
-    """Frequency at the four heights with the default robot's effective share [Hz]."""
-    rise: float
-    """Frequency at mid-height over that at the lowest and highest row's mean [1]."""
+    middle: float
+    """Frequency at mid-height for a tension of 1 N [Hz]."""
+    rows: Float[np.ndarray, " rows"]
+    """Frequency at the knocks' heights for a tension of 1 N [Hz]."""
+    curve: Float[np.ndarray, " heights"]
+    """Frequency over `HEIGHTS` for a tension of 1 N [Hz]."""
+
+    def nominal(self, setting: float) -> float:
+        """Frequency at mid-height, were the setting the tension.
+
+        Args:
+            setting: Nominal pretension [N].
+
+        Returns:
+            Frequency [Hz].
+        """
+        return self.middle * setting**0.5
+
+    def share(self, setting: float) -> float:
+        """Effective over nominal pretension that the reported frequency asks for.
+
+        Args:
+            setting: A nominal pretension of `MEASURED` [N].
+
+        Returns:
+            The share [1].
+        """
+        return (MEASURED[setting] / self.nominal(setting)) ** 2
+
+    @property
+    def rise(self) -> float:
+        """Frequency at mid-height over the mean of the lowest and the highest row [1]."""
+        return self.middle / float(np.mean(self.rows[[0, -1]]))
 
 
 class Fig12(NamedTuple):
@@ -215,22 +243,15 @@ def fig12(force: float = FORCE) -> Fig12:
 
 
 def _level(condition: Condition) -> Level:
-    robot = consistent()
-    middle = jnp.asarray(float(robot.frame.height) / 2)
+    middle = float(consistent().frame.height) / 2
+    heights = np.concatenate([[middle], ROWS, HEIGHTS])
+    first = np.asarray(_first_mode(jnp.asarray(heights), condition))
+    return Level(condition, float(first[0]), first[1 : 1 + len(ROWS)], first[1 + len(ROWS) :])
 
-    @jax.jit
-    def first(tension: Float[Array, ""], height: Float[Array, ""]) -> Float[Array, ""]:
-        at = replace(robot, {"effective_pretension": tension})
-        return natural_frequencies(at, height, condition)[0]
 
-    nominal = np.array([float(first(jnp.asarray(s), middle)) for s in SETTINGS])
-    share = np.array([(MEASURED[s] / nominal[SETTINGS.index(s)]) ** 2 for s in MEASURED])
-    rows = np.array(
-        [
-            [float(first(jnp.asarray(effective_share() * s), jnp.asarray(y))) for y in ROWS]
-            for s in SETTINGS
-        ]
-    )
-    # The frequency is a function of height alone, up to a factor of the root of T.
-    rise = nominal[0] * np.sqrt(effective_share()) / np.mean(rows[0, [0, -1]])
-    return Level(condition, nominal, share, rows, float(rise))
+@eqx.filter_jit
+def _first_mode(
+    heights: Float[Array, " heights"], condition: Condition
+) -> Float[Array, " heights"]:
+    robot = replace(consistent(), {"effective_pretension": 1.0})
+    return jax.vmap(lambda y: natural_frequencies(robot, y, condition)[0])(heights)

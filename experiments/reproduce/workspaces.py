@@ -4,6 +4,7 @@ import functools
 import itertools
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -52,7 +53,7 @@ class Cables(NamedTuple):
         Returns:
             Share [1].
         """
-        return float(np.mean(self.needed <= maximum))
+        return float(np.mean(np.isfinite(self.needed) & (self.needed <= maximum)))
 
     def reachable_share(self, maximum: float) -> float:
         """Share of the poses inside the frame that a largest tension reaches.
@@ -63,7 +64,8 @@ class Cables(NamedTuple):
         Returns:
             Share [1].
         """
-        return float(np.mean(self.needed[self.inside] <= maximum))
+        needed = self.needed[self.inside]
+        return float(np.mean(np.isfinite(needed) & (needed <= maximum)))
 
     def maximum_for(self, share: float) -> float:
         """Largest tension that a share of the frame's area needs.
@@ -128,40 +130,39 @@ def workspaces(width: float = WIDTH, height: float = HEIGHT) -> Workspaces:
     poses = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
     half = np.array([width, height]) / 2
     inside = np.all((poses >= half) & (poses <= frame - half), axis=-1)
-    cables = tuple(
-        Cables(crossed, minimum, _needed(robot, poses, width, minimum, crossed), inside)
-        for crossed, minimum in itertools.product((False, True), PRINTED)
-    )
+    flat = jnp.asarray(poses.reshape(-1, 2))
+
+    def cables(crossed: bool, minimum: float) -> Cables:
+        needed = _needed(robot, flat, jnp.asarray(width), jnp.asarray(minimum), crossed)
+        return Cables(crossed, minimum, np.asarray(needed).reshape(_GRID), inside)
+
     region = static_workspace(table_1)
     reachable = geometric_region(table_1, end_effector_width=jnp.asarray(0.287))
     return Workspaces(
         x,
         y,
-        cables,
+        tuple(itertools.starmap(cables, itertools.product((False, True), PRINTED))),
         loop=region,
         loop_share=float(frame_share(table_1)),
         loop_reachable=float(region.area / reachable.area),
     )
 
 
+@eqx.filter_jit
 def _needed(
     robot: Robot,
-    poses: Float[np.ndarray, "columns rows 2"],
-    width: float,
-    minimum: float,
+    poses: Float[Array, "poses 2"],
+    width: Float[Array, ""],
+    minimum: Float[Array, ""],
     crossed: bool,
-) -> Float[np.ndarray, "columns rows"]:
-    @jax.jit
-    def over(points: Float[Array, "poses 2"]) -> Float[Array, " poses"]:
-        return jax.vmap(
-            lambda position: needed_tension(
-                robot,
-                position,
-                end_effector_width=jnp.asarray(width),
-                minimum_tension=jnp.asarray(minimum),
-                gravity=jnp.asarray(GRAVITY),
-                crossed=crossed,
-            )
-        )(points)
-
-    return np.asarray(over(jnp.asarray(poses.reshape(-1, 2)))).reshape(poses.shape[:2])
+) -> Float[Array, " poses"]:
+    return jax.vmap(
+        lambda position: needed_tension(
+            robot,
+            position,
+            end_effector_width=width,
+            minimum_tension=minimum,
+            gravity=jnp.asarray(GRAVITY),
+            crossed=crossed,
+        )
+    )(poses)

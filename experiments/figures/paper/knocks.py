@@ -1,18 +1,17 @@
 """Figures 11 and 12: a knock with its spectrum, and natural frequencies over the height."""
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.reproduce.knocks import (
     COLUMNS,
+    HEIGHTS,
     MEASURED,
     ROWS,
     SETTINGS,
     Fig12,
     Knock,
-    at_setting,
+    effective_share,
 )
 from experiments.style import (
     BLACK,
@@ -28,7 +27,7 @@ from experiments.style import (
     new_figure,
     styled,
 )
-from scdpr_jax.modes import BOTH_HELD, CONDITIONS, natural_frequencies
+from scdpr_jax.modes import BOTH_HELD
 
 _COLOURS = (BLUE, GREEN, VERMILION, ORANGE, SKY, PURPLE)
 _HIGHEST = 10.0  # Hz, of the drawn spectrum: the camera sees up to 15 Hz
@@ -80,14 +79,13 @@ def draw_fig12(numbers: Fig12) -> Figure:
     """
     figure = new_figure(height=4.0)
     panels = figure.subplots(1, len(SETTINGS), sharey=True)
-    height = jnp.linspace(0.17, 0.94, 60)
     for index, (axes, setting) in enumerate(zip(panels, SETTINGS, strict=True)):
-        robot = at_setting(setting)
-        for condition, colour in zip(CONDITIONS, _COLOURS, strict=True):
-            curve = jax.vmap(lambda y, r=robot, c=condition: natural_frequencies(r, y, c)[0])
+        tension = effective_share() * setting
+        for level, colour in zip(numbers.levels, _COLOURS, strict=True):
+            condition = level.condition
             axes.plot(
-                1e3 * np.asarray(height),
-                np.asarray(curve(height)),
+                1e3 * np.array(HEIGHTS),
+                tension**0.5 * level.curve,
                 color=colour,
                 lw=2.2 if condition == BOTH_HELD else 1.2,
                 label=f"lower {condition.lower.value}, upper {condition.upper.value}",

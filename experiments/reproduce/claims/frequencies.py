@@ -3,7 +3,7 @@
 import numpy as np
 
 from experiments.reproduce.claim import Claim, Verdict, at_least, at_most, within
-from experiments.reproduce.knocks import SETTINGS, fig11, fig12
+from experiments.reproduce.knocks import fig11, fig12
 from scdpr_jax.modes import BOTH_HELD, PRINTED
 
 _ABOUT = "“about”: a twentieth, as the two digits and the word bear"
@@ -11,7 +11,7 @@ _ABOUT = "“about”: a twentieth, as the two digits and the word bear"
 
 def _nominal(setting: float) -> float:
     """First mode of (18) as printed at mid-height with the nominal tension [Hz]."""
-    return float(fig12().level(PRINTED).nominal[SETTINGS.index(setting)])
+    return fig12().level(PRINTED).nominal(setting)
 
 
 def _rise_of_knocks() -> float:

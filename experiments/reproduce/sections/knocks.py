@@ -29,12 +29,13 @@ def fig11(picture: Pictures) -> Content:
     knock = fig11_numbers()
     return Content(
         (
-            f"A push of {FORCE:g} N for 30 ms in the middle of the frame, nominal 350 N, drives "
-            "at 0 V: recorded at 30 frames a second with 0.19 mm of noise, mean removed, "
-            f"transformed. The highest peak stands at {knock.peak.frequency:.2f} Hz; four "
-            f"seconds resolve {knock.peak.resolution:.2f} Hz.",
-            "The force of the paper's knocks isn't printed. Friction of the carriages is inside "
-            "the loop of motion: a harder knock moves them, and the peak with them (Figure 12).",
+            f"A push of {FORCE:g} N for 30 ms in the middle of the frame, nominal 350 N, "
+            "drives at 0 V: recorded at 30 frames a second with 0.19 mm of noise, mean "
+            f"removed, transformed. The highest peak stands at {knock.peak.frequency:.2f} Hz; "
+            f"four seconds resolve {knock.peak.resolution:.2f} Hz.",
+            "The force of the paper's knocks isn't printed. Friction of the carriages is "
+            "inside the loop of motion: a harder knock moves them, and the peak with them "
+            "(Figure 12).",
         ),
         (
             picture(
@@ -51,8 +52,8 @@ def _row(level: Level) -> tuple[str, ...]:
     return (
         lower,
         upper,
-        *(f"{frequency:.2f}" for frequency in level.nominal),
-        *(f"{share:.3f}" for share in level.share),
+        *(f"{level.nominal(setting):.2f}" for setting in SETTINGS),
+        *(f"{level.share(setting):.3f}" for setting in MEASURED),
         f"{level.rise:.2f}",
     )
 
@@ -99,8 +100,8 @@ def fig12(picture: Pictures) -> Content:
             "section 6 ask for and nothing of section 5.2 was used for, knocks at mid-height "
             f"ring at {found.peak(200.0):.2f} Hz at 200 N and {found.peak(500.0):.2f} Hz at "
             "500 N; reported are about 2.4 and 3.9 Hz.",
-            "With the nominal tension no carriage condition gives these levels; what each would "
-            "need is in the table. Their ratio is the root of the tensions' within 3 %.",
+            "With the nominal tension no carriage condition gives these levels; what each "
+            "would need is in the table. Their ratio is the root of the tensions' within 3 %.",
             "The shape over the height is what stays unexplained: the reported frequencies are "
             "highest at mid-height, as with both carriages free of the drives; the levels are "
             "those of held carriages, whose frequency is lowest there.",
@@ -112,8 +113,8 @@ def fig12(picture: Pictures) -> Content:
             picture(
                 draw_fig12(found),
                 "First elastic mode over the height for each carriage condition at T_eff = "
-                f"{effective_share():.3f} of the nominal tension, the simulated knocks, and the "
-                "reported levels.",
+                f"{effective_share():.3f} of the nominal tension, the simulated knocks, and "
+                "the reported levels.",
             ),
         ),
         (conditions, knocks),

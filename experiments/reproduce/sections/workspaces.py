@@ -7,11 +7,18 @@ import numpy as np
 from experiments.figures.paper.workspaces import draw_fig3, draw_fig6
 from experiments.page import Pictures
 from experiments.reproduce.content import Content, Section, Table
-from experiments.reproduce.workspaces import PRINTED, Workspaces, workspaces
+from experiments.reproduce.workspaces import HEIGHT, PRINTED, WIDTH, Workspaces, workspaces
+from scdpr_jax.prototype import consistent
 
 
 def _tension(value: float) -> str:
     return f"{value:.0f}" if np.isfinite(value) else "none is enough"
+
+
+def _inside(width: float, height: float) -> float:
+    """Share of the frame's area that keeps the upright end-effector inside [1]."""
+    frame = consistent().frame
+    return (1 - width / float(frame.width)) * (1 - height / float(frame.height))
 
 
 def _needs(found: Workspaces, end_effector: str) -> tuple[tuple[str, ...], ...]:
@@ -56,9 +63,11 @@ def fig3(picture: Pictures) -> Content:
     return Content(
         (
             "The paper prints two percentages and no T_max. No single T_max gives both: open "
-            "cables reach 41.56 % at 287 N and never 70.73 %; crossed ones need 93 N and 151 N.",
-            "Crossed cables reach 70.73 % only with poses at which the end-effector sticks out "
-            "of the frame: no more than 64.4 % of the frame's area keep it inside.",
+            "cables reach 41.56 % at 287 N and never 70.73 %; crossed ones need 93 N and 151 "
+            "N.",
+            "Crossed cables reach 70.73 % only with poses at which the end-effector sticks "
+            f"out of the frame: only {100 * _inside(WIDTH, HEIGHT):.1f} % of the frame's area "
+            "keep it inside.",
             "Poses are held upright against 2 kg and gravity with every cable between T_min "
             "and T_max (wrench feasibility); shares are of the frame's area, as printed.",
         ),
@@ -95,12 +104,12 @@ def fig6(picture: Pictures) -> Content:
     )
     return Content(
         (
-            f"Expression (1) with Table 1 is {100 * found.loop_share:.1f} % of the frame's area, "
-            "less than the conventional robot's printed 70.73 %: measured by the frame there is "
-            "no gain.",
-            "Measured by the poses whose end-effector lies inside the frame the single loop has "
-            "all of them at any tension, and that is the gain; the conventional robot has what "
-            "its T_max allows.",
+            f"Expression (1) with Table 1 is {100 * found.loop_share:.1f} % of the frame's "
+            "area, less than the conventional robot's printed 70.73 %: measured by the frame "
+            "there is no gain.",
+            "Measured by the poses whose end-effector lies inside the frame the single loop "
+            "has all of them at any tension, and that is the gain; the conventional robot has "
+            "what its T_max allows.",
         ),
         (
             picture(
