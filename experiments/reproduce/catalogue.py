@@ -4,9 +4,23 @@ import difflib
 from collections.abc import Sequence
 
 from experiments.reproduce.content import Section
-from experiments.reproduce.sections import knocks, workspaces
+from experiments.reproduce.sections import (
+    breakaway,
+    knocks,
+    loop,
+    open_loop,
+    prototype,
+    workspaces,
+)
 
-SECTIONS: tuple[Section, ...] = (*workspaces.SECTIONS, *knocks.SECTIONS)
+SECTIONS: tuple[Section, ...] = (
+    *prototype.SECTIONS,
+    *workspaces.SECTIONS,
+    *breakaway.SECTIONS,
+    *knocks.SECTIONS,
+    *open_loop.SECTIONS,
+    *loop.SECTIONS,
+)
 """Every section of the report."""
 
 

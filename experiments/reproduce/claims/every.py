@@ -1,10 +1,21 @@
 """One list of every number that the paper prints."""
 
 from experiments.reproduce.claim import Claim
+from experiments.reproduce.claims.breakaway import BREAKAWAY
 from experiments.reproduce.claims.frequencies import FREQUENCIES
+from experiments.reproduce.claims.loop import LOOP
+from experiments.reproduce.claims.open_loop import OPEN_LOOP
+from experiments.reproduce.claims.prototype import PROTOTYPE
 from experiments.reproduce.claims.workspace import WORKSPACE
 
-CLAIMS: tuple[Claim, ...] = (*WORKSPACE, *FREQUENCIES)
+CLAIMS: tuple[Claim, ...] = (
+    *WORKSPACE,
+    *PROTOTYPE,
+    *BREAKAWAY,
+    *FREQUENCIES,
+    *OPEN_LOOP,
+    *LOOP,
+)
 """Every claim, in the paper's order."""
 
 
