@@ -8,6 +8,7 @@ from experiments.reproduce.sections import (
     breakaway,
     knocks,
     loop,
+    manoeuvres,
     open_loop,
     prototype,
     workspaces,
@@ -20,6 +21,7 @@ SECTIONS: tuple[Section, ...] = (
     *knocks.SECTIONS,
     *open_loop.SECTIONS,
     *loop.SECTIONS,
+    *manoeuvres.SECTIONS,
 )
 """Every section of the report."""
 

@@ -3,6 +3,7 @@
 import functools
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -131,9 +132,12 @@ def printed() -> Design:
 
 
 def _design(plant: MotorPlant, controller: PD) -> Design:
-    return Design(
-        controller, continuous_margins(plant, controller), sampled_margins(plant, controller)
-    )
+    return Design(controller, *_margins(plant, controller))
+
+
+@eqx.filter_jit
+def _margins(plant: MotorPlant, controller: PD) -> tuple[Margins, Margins]:
+    return continuous_margins(plant, controller), sampled_margins(plant, controller)
 
 
 def gain_from_table() -> float:

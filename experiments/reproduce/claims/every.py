@@ -4,6 +4,7 @@ from experiments.reproduce.claim import Claim
 from experiments.reproduce.claims.breakaway import BREAKAWAY
 from experiments.reproduce.claims.frequencies import FREQUENCIES
 from experiments.reproduce.claims.loop import LOOP
+from experiments.reproduce.claims.manoeuvres import MANOEUVRES
 from experiments.reproduce.claims.open_loop import OPEN_LOOP
 from experiments.reproduce.claims.prototype import PROTOTYPE
 from experiments.reproduce.claims.workspace import WORKSPACE
@@ -15,6 +16,7 @@ CLAIMS: tuple[Claim, ...] = (
     *FREQUENCIES,
     *OPEN_LOOP,
     *LOOP,
+    *MANOEUVRES,
 )
 """Every claim, in the paper's order."""
 

@@ -3,6 +3,7 @@
 import math
 
 from experiments.figures.paper.loop import draw_bode, draw_step_response
+from experiments.number_text import plain, rounded
 from experiments.page import Pictures
 from experiments.reproduce.content import Content, Section, Table
 from experiments.reproduce.loop import (
@@ -29,8 +30,9 @@ def eq24(picture: Pictures) -> Content:
     return Content(
         (
             f"A step of {STEP:g} V on a bare simulated drive, read by its encoder, gives "
-            f"{found.gain:.1f} ± {found.error[0]:.1f} over s(s + {found.pole:.3f} ± "
-            f"{found.error[1]:.3f}), the angle in degrees.",
+            f"{rounded(found.gain, found.error[0])} ± {plain(found.error[0], 2)} over "
+            f"s(s + {rounded(found.pole, found.error[1])} ± {plain(found.error[1], 2)}), "
+            "the angle in degrees.",
             f"(24) calls its numerator 1/J, which is 78.5 with Table 1; it is (180/π) k_v/J = "
             f"{gain_from_table():.0f}: degrees, and volts through k_v = 0.482 N m/V.",
         ),
