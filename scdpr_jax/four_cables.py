@@ -1,13 +1,13 @@
 r"""The conventional planar robot of four cables, each on its own motor; section 2.1.
 
-The cables run from the corners of the frame to those of an upright end-effector of the same
-size and mass as the single loop's. It is what the paper measures its own workspace against.
+The cables run from the corners of the frame to those of an upright end-effector. It is
+what the paper measures its own workspace against.
 """
 
 import itertools
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from scdpr_jax.parameters import Robot
 
@@ -23,98 +23,107 @@ def needed_tension(
 ) -> Float[Array, ""]:
     r"""The largest cable tension at a pose when it is as small as can be.
 
-    Tensions that balance the weight are $t = p + \lambda n$, with $n$ spanning the null
-    space of the structure matrix. Of all $\lambda$ that keep every cable at the minimum, this
-    is the least of the largest tension: a pose lies in the static workspace for every
-    $T_{max}$ from here on.
+    $$ \min_t \max_i t_i \quad \text{with} \quad A t = [0, m g, 0]^T, \quad t_i \ge T_{min} $$
+
+    The structure matrix $A$ (3 x 4) has a null space of one dimension, spanned by its
+    minors $n$, so that $t = p + \lambda n$: the largest of four straight lines over an
+    interval of $\lambda$. A pose lies in the static workspace for every $T_{max}$ from here
+    on (wrench feasibility, doi:10.1109/TRO.2006.878967, of the weight alone).
 
     Args:
         robot: Its frame, and the mass and the offsets of its end-effector, are taken.
         position: Position $[x_e, y_e]$ of the upright end-effector [m].
         end_effector_width: Distance of its left and right attachments [m].
         minimum_tension: Least tension $T_{min}$ of every cable [N].
-        gravity: Gravitational acceleration [m/s²].
+        gravity: Gravitational acceleration $g$ [m/s²].
         crossed: Whether the frame's lower corners hold the upper attachments, and the upper
             corners the lower ones.
 
     Returns:
-        Tension [N]; infinity where the pose can't be held, or lies outside the frame.
+        Tension [N]; infinity where the pose can't be held, or its centre isn't inside the
+        frame.
     """
-    frame, body = robot.frame, robot.end_effector
-    directions, torques = _cables(robot, position, end_effector_width, crossed)
-    structure = jnp.concatenate([directions.T, torques[None]])
-    null = _null_vector(structure)
-    weight = jnp.stack([jnp.zeros_like(gravity), gravity, jnp.zeros_like(gravity)])
-    balancing = jnp.linalg.pinv(structure) @ (body.mass * weight)
+    structure = _structure_matrix(robot, position, end_effector_width, crossed)
+    null = _minors(structure)
+    lines = _balancing(structure, null, robot.end_effector.mass * gravity), null
+    lowest, highest, held = _interval(*lines, minimum_tension)
 
-    # Every cable bounds the free parameter from one side; a cable that it doesn't stretch
-    # has to hold by itself.
-    still = jnp.abs(null) <= 8 * jnp.finfo(null.dtype).eps * jnp.abs(null).max()
-    bound = (minimum_tension - balancing) / jnp.where(still, 1.0, null)
-    lowest = jnp.max(jnp.where(~still & (null > 0), bound, -jnp.inf))
-    highest = jnp.min(jnp.where(~still & (null < 0), bound, jnp.inf))
-    held = jnp.all(~still | (balancing >= minimum_tension)) & (lowest <= highest)
-
-    # The largest of four straight lines is least at an end of the range or at a crossing.
-    crossings = [
-        _ratio(balancing[i] - balancing[j], null[j] - null[i])
-        for i, j in itertools.combinations(range(4), 2)
-    ]
+    # The largest of straight lines is least at an end of the interval or at a crossing.
+    crossings = [_crossing(*lines, i, j) for i, j in itertools.combinations(range(4), 2)]
     places = jnp.clip(jnp.stack([*crossings, lowest, highest]), lowest, highest)
-    tensions = jnp.where(
-        jnp.isfinite(places), jnp.max(balancing + places[:, None] * null, axis=1), jnp.inf
-    )
-    size = jnp.stack([frame.width, frame.height])
+    finite = jnp.isfinite(places)
+    tensions = lines[0][None] + jnp.where(finite, places, 0)[:, None] * null[None]
+    largest = jnp.where(finite, jnp.max(tensions, axis=1), jnp.inf)
+
+    size = jnp.stack([robot.frame.width, robot.frame.height])
     inside = jnp.all((position > 0) & (position < size))
-    return jnp.where(held & inside, jnp.min(tensions), jnp.inf)
+    return jnp.where(held & inside, jnp.min(largest), jnp.inf)
 
 
-def _cables(
+def _structure_matrix(
     robot: Robot,
     position: Float[Array, "2"],
     end_effector_width: Float[Array, ""],
     crossed: bool,
-) -> tuple[Float[Array, "4 2"], Float[Array, "4"]]:
-    """Directions of the cables' pulls on the end-effector, and their lever arms."""
+) -> Float[Array, "3 4"]:
+    """Force and moment of a unit tension in each cable, from the lower left one on."""
     frame, body = robot.frame, robot.end_effector
-    half, below, above = end_effector_width / 2, -body.lower_offset, body.upper_offset
-    zero = jnp.zeros_like(half)
-    first, second = (above, below) if crossed else (below, above)
-    attachments = jnp.stack(
-        [
-            jnp.stack([-half, first]),
-            jnp.stack([half, first]),
-            jnp.stack([half, second]),
-            jnp.stack([-half, second]),
-        ]
+    half, zero = end_effector_width / 2, jnp.zeros_like(end_effector_width)
+    lower, upper = -body.lower_offset, body.upper_offset
+    if crossed:
+        lower, upper = upper, lower
+    arm = jnp.stack([-half, half, half, -half]), jnp.stack([lower, lower, upper, upper])
+    corner = (
+        jnp.stack([zero, frame.width, frame.width, zero]),
+        jnp.stack([zero, zero, frame.height, frame.height]),
     )
-    corners = jnp.stack(
-        [
-            jnp.stack([zero, zero]),
-            jnp.stack([frame.width, zero]),
-            jnp.stack([frame.width, frame.height]),
-            jnp.stack([zero, frame.height]),
-        ]
+    across, up = (corner[axis] - position[axis] - arm[axis] for axis in (0, 1))
+    length = jnp.hypot(across, up)
+    moment = arm[0] * up - arm[1] * across
+    return jnp.stack([across, up, moment]) / length[None]
+
+
+def _minors(structure: Float[Array, "3 4"]) -> Float[Array, "4"]:
+    """What spans the null space; of the sign that stretches the most cables."""
+    column = structure.T
+    minors = []
+    for left_out in range(4):
+        a, b, c = (column[i] for i in range(4) if i != left_out)
+        minors.append((-1) ** left_out * jnp.dot(a, jnp.cross(b, c)))
+    null = jnp.stack(minors)
+    return null * jnp.where(jnp.sum(jnp.sign(null)) < 0, -1, 1).astype(null.dtype)
+
+
+def _balancing(
+    structure: Float[Array, "3 4"], null: Float[Array, "4"], weight: Float[Array, ""]
+) -> Float[Array, "4"]:
+    r"""The smallest tensions in the square that balance a weight, of either sign.
+
+    $p = A^T G^{-1} w$ with $G = A A^T$; its determinant is the minors' sum of squares
+    (Cauchy and Binet), the column of its inverse that meets a weight a cross product.
+    """
+    gram = structure @ structure.T
+    return weight / jnp.dot(null, null) * (structure.T @ jnp.cross(gram[2], gram[0]))
+
+
+def _interval(
+    balancing: Float[Array, "4"], null: Float[Array, "4"], minimum: Float[Array, ""]
+) -> tuple[Float[Array, ""], Float[Array, ""], Bool[Array, ""]]:
+    r"""The $\lambda$ at which every cable has the minimum, and whether there are any."""
+    # A cable that the null space doesn't stretch has to hold by itself.
+    still = jnp.abs(null) <= 8 * jnp.finfo(null.dtype).eps * jnp.max(jnp.abs(null))
+    bound = (minimum - balancing) / jnp.where(still, 1, null)
+    lowest = jnp.max(jnp.where(~still & (null > 0), bound, -jnp.inf))
+    highest = jnp.min(jnp.where(~still & (null < 0), bound, jnp.inf))
+    held = jnp.all(~still | (balancing >= minimum)) & (lowest <= highest)
+    return lowest, highest, held
+
+
+def _crossing(
+    balancing: Float[Array, "4"], null: Float[Array, "4"], i: int, j: int
+) -> Float[Array, ""]:
+    r"""The $\lambda$ at which two cables have one tension; 0 if they always differ."""
+    apart = null[j] - null[i]
+    return jnp.where(
+        apart == 0, 0, (balancing[i] - balancing[j]) / jnp.where(apart == 0, 1, apart)
     )
-    cables = corners - position - attachments
-    directions = cables / jnp.linalg.norm(cables, axis=1, keepdims=True)
-    torques = attachments[:, 0] * directions[:, 1] - attachments[:, 1] * directions[:, 0]
-    return directions, torques
-
-
-def _null_vector(structure: Float[Array, "3 4"]) -> Float[Array, "4"]:
-    """What spans the null space, by minors; of the sign that stretches the most cables."""
-    columns = range(4)
-    minors = jnp.stack(
-        [
-            (-1) ** i
-            * jnp.linalg.det(structure[:, jnp.asarray([j for j in columns if j != i])])
-            for i in columns
-        ]
-    )
-    return minors * jnp.where(jnp.sum(jnp.sign(minors)) < 0, -1.0, 1.0)
-
-
-def _ratio(above: Float[Array, ""], below: Float[Array, ""]) -> Float[Array, ""]:
-    """Quotient; 0 where two lines are parallel and don't cross."""
-    return jnp.where(below == 0, 0.0, above / jnp.where(below == 0, 1.0, below))
