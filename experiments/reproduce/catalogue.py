@@ -11,6 +11,8 @@ from experiments.reproduce.sections import (
     manoeuvres,
     open_loop,
     prototype,
+    stiffness_map,
+    tensioning,
     workspaces,
 )
 
@@ -22,6 +24,8 @@ SECTIONS: tuple[Section, ...] = (
     *open_loop.SECTIONS,
     *loop.SECTIONS,
     *manoeuvres.SECTIONS,
+    *tensioning.SECTIONS,
+    *stiffness_map.SECTIONS,
 )
 """Every section of the report."""
 

@@ -7,6 +7,7 @@ from experiments.reproduce.claims.loop import LOOP
 from experiments.reproduce.claims.manoeuvres import MANOEUVRES
 from experiments.reproduce.claims.open_loop import OPEN_LOOP
 from experiments.reproduce.claims.prototype import PROTOTYPE
+from experiments.reproduce.claims.statements import STATEMENTS
 from experiments.reproduce.claims.workspace import WORKSPACE
 
 CLAIMS: tuple[Claim, ...] = (
@@ -17,6 +18,7 @@ CLAIMS: tuple[Claim, ...] = (
     *OPEN_LOOP,
     *LOOP,
     *MANOEUVRES,
+    *STATEMENTS,
 )
 """Every claim, in the paper's order."""
 
