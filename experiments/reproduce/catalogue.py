@@ -3,6 +3,7 @@
 import difflib
 from collections.abc import Sequence
 
+from experiments.reproduce import contradictions
 from experiments.reproduce.content import Section
 from experiments.reproduce.sections import (
     breakaway,
@@ -13,10 +14,12 @@ from experiments.reproduce.sections import (
     prototype,
     stiffness_map,
     tensioning,
+    validity,
     workspaces,
 )
 
 SECTIONS: tuple[Section, ...] = (
+    *contradictions.SECTIONS,
     *prototype.SECTIONS,
     *workspaces.SECTIONS,
     *breakaway.SECTIONS,
@@ -24,6 +27,7 @@ SECTIONS: tuple[Section, ...] = (
     *open_loop.SECTIONS,
     *loop.SECTIONS,
     *manoeuvres.SECTIONS,
+    *validity.SECTIONS,
     *tensioning.SECTIONS,
     *stiffness_map.SECTIONS,
 )

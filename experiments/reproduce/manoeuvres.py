@@ -105,7 +105,9 @@ def tracked(
     )
 
 
-def with_tension(robot: Robot, tension: float | None, gravity: float) -> Robot:
+def with_tension(
+    robot: Robot, tension: float | Float[Array, ""] | None, gravity: float
+) -> Robot:
     """A robot at another tension, the friction force of its carriages as it was.
 
     Args:
