@@ -7,6 +7,7 @@ from experiments.reproduce import contradictions
 from experiments.reproduce.content import Section
 from experiments.reproduce.sections import (
     breakaway,
+    explanation,
     knocks,
     loop,
     manoeuvres,
@@ -30,6 +31,7 @@ SECTIONS: tuple[Section, ...] = (
     *validity.SECTIONS,
     *tensioning.SECTIONS,
     *stiffness_map.SECTIONS,
+    *explanation.SECTIONS,
 )
 """Every section of the report."""
 

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from experiments.reproduce.breakaway import STEP, unbiased_force
-from experiments.reproduce.knocks import MEASURED, Level, fig12
+from experiments.reproduce.knocks import MEASURED, Level, level
 from experiments.reproduce.manoeuvres import BOTH_LEGS, GRAVITY, ONE_LEG
 from identification.levenberg_marquardt import Normal, minimise
 from scdpr_jax.closed_loop import closed_loop
@@ -124,13 +124,13 @@ def explanations() -> tuple[Explanation, ...]:
 
 
 def _fit(hypothesis: Hypothesis) -> Explanation:
-    level = fig12().level(hypothesis.condition)
+    modes = level(hypothesis.condition)
     reported = np.array([(one.value, one.sigma) for one in REPORTED])
 
     def deviations(
         points: Float[np.ndarray, "points 2"],
     ) -> Float[np.ndarray, "points results"]:
-        return (_results(points, level, hypothesis) - reported[:, 0]) / reported[:, 1]
+        return (_results(points, modes, hypothesis) - reported[:, 0]) / reported[:, 1]
 
     def evaluate(point: Float[np.ndarray, "2"]) -> Normal:
         # The unknowns are logarithms; differences of a thousandth, all three in one batch.
@@ -139,20 +139,20 @@ def _fit(hypothesis: Hypothesis) -> Explanation:
         return Normal(float(at @ at), jacobian.T @ at, jacobian.T @ jacobian)
 
     # From the share that the frequencies ask for, and the force that the breakaway does.
-    share = np.mean([level.share(setting) for setting in MEASURED])
+    share = np.mean([modes.share(setting) for setting in MEASURED])
     start = np.log([share, unbiased_force() / 2])
     found = minimise(evaluate, start, lower=np.full(2, -np.inf), iterations=7, decrement=0.05)
     share, friction = np.exp(found.point).tolist()
-    computed = _results(found.point[None], level, hypothesis)[0]
-    return Explanation(hypothesis, share, friction, computed, found.normal.cost, level.rise)
+    computed = _results(found.point[None], modes, hypothesis)[0]
+    return Explanation(hypothesis, share, friction, computed, found.normal.cost, modes.rise)
 
 
 def _results(
-    points: Float[np.ndarray, "points 2"], level: Level, hypothesis: Hypothesis
+    points: Float[np.ndarray, "points 2"], modes: Level, hypothesis: Hypothesis
 ) -> Float[np.ndarray, "points results"]:
     """What each point makes of `REPORTED` [in their units]."""
     share, friction = np.exp(points).T
-    frequencies = [level.nominal(setting) * np.sqrt(share) for setting in MEASURED]
+    frequencies = [modes.nominal(setting) * np.sqrt(share) for setting in MEASURED]
     tracked = _manoeuvres(share, friction, hypothesis.both_legs, hypothesis.gravity)
     drive = consistent().drive
     force = float(2 * drive.torque_per_volt / drive.effective_radius)

@@ -200,17 +200,6 @@ class Fig12(NamedTuple):
         """
         return float(self.peaks[SETTINGS.index(setting), 1:3].mean())
 
-    def level(self, condition: Condition) -> Level:
-        """The level of a carriage condition.
-
-        Args:
-            condition: The condition.
-
-        Returns:
-            Its frequencies.
-        """
-        return next(level for level in self.levels if level.condition == condition)
-
 
 @functools.cache
 def fig12(force: float = FORCE) -> Fig12:
@@ -235,14 +224,23 @@ def fig12(force: float = FORCE) -> Fig12:
     peaks = np.array([natural_frequency(time, run[:, 0]).frequency for run in seen])
     moved = np.abs(np.asarray(position)[:, -1, 2:4] - x.reshape(-1, 1)).max(axis=1)
     return Fig12(
-        levels=tuple(_level(condition) for condition in CONDITIONS),
+        levels=tuple(level(condition) for condition in CONDITIONS),
         peaks=peaks.reshape(tension.shape),
         # A millimetre: what the camera sees for certain.
         gone=tuple((moved.reshape(len(SETTINGS), -1) > 1e-3).mean(axis=1).tolist()),
     )
 
 
-def _level(condition: Condition) -> Level:
+@functools.cache
+def level(condition: Condition) -> Level:
+    """The first elastic mode of a carriage condition over the height.
+
+    Args:
+        condition: What holds the carriages.
+
+    Returns:
+        Its frequencies.
+    """
     middle = float(consistent().frame.height) / 2
     heights = np.concatenate([[middle], ROWS, HEIGHTS])
     first = np.asarray(_first_mode(jnp.asarray(heights), condition))

@@ -83,9 +83,10 @@ def _measured_angle(drive: Drive) -> Float[jax.Array, " samples"]:
     bare = AxisParameters(drive.inertia, drive.damping, drive.friction, jnp.zeros(()))
     torque = jnp.full(_SAMPLES, STEP) * drive.torque_per_volt
     steps = jnp.full(_SAMPLES, _PERIOD)
-    return read_encoder(
-        Encoder(), axis_positions(bare, torque, steps=steps, start=jnp.zeros(()))
-    )
+    angles = axis_positions(bare, torque, steps=steps, start=jnp.zeros(()))
+    # The sensor is a pair of encoders; the bare drives turn alike.
+    both = jnp.stack([angles, angles], axis=1)
+    return jax.vmap(lambda pair: read_encoder(Encoder(), pair))(both)[:, 0]
 
 
 class Design(NamedTuple):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from experiments.reproduce.claim import Claim, Verdict, at_least, at_most, within
-from experiments.reproduce.knocks import fig11, fig12
+from experiments.reproduce.knocks import fig11, fig12, level
 from scdpr_jax.modes import BOTH_HELD, PRINTED
 
 _ABOUT = "“about”: a twentieth, as the two digits and the word bear"
@@ -11,7 +11,7 @@ _ABOUT = "“about”: a twentieth, as the two digits and the word bear"
 
 def _nominal(setting: float) -> float:
     """First mode of (18) as printed at mid-height with the nominal tension [Hz]."""
-    return fig12().level(PRINTED).nominal(setting)
+    return level(PRINTED).nominal(setting)
 
 
 def _rise_of_knocks() -> float:
@@ -86,7 +86,7 @@ FREQUENCIES: tuple[Claim, ...] = (
         "1",
         at_least(1.0),
         "higher is above one",
-        lambda: fig12().level(PRINTED).rise,
+        lambda: level(PRINTED).rise,
         Verdict.REPRODUCED,
         "with both carriages free of drives and friction",
     ),
@@ -98,7 +98,7 @@ FREQUENCIES: tuple[Claim, ...] = (
         "1",
         at_least(1.0),
         "higher is above one",
-        lambda: fig12().level(BOTH_HELD).rise,
+        lambda: level(BOTH_HELD).rise,
         Verdict.NOT_REPRODUCIBLE,
         "E22: held carriages turn it round, yet they alone give frequencies and 50 mm at once",
     ),
