@@ -7,12 +7,16 @@ import pathlib
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from matplotlib.figure import Figure
+
 from experiments.number_text import readable_unit, short
 from experiments.page import Pictures, page, versions
 from experiments.reproduce.claim import Claim, Verdict
 from experiments.reproduce.claims import of_section
 from experiments.reproduce.content import Content, Section
 from scdpr_jax.files import write_whole
+
+_PNG_DPI = 75  # a column of the documentation, and files of some 50 kB
 
 
 class Judged(NamedTuple):
@@ -51,18 +55,24 @@ class Reproduced(NamedTuple):
 
 
 def reproduce(
-    sections: Sequence[Section], progress: Callable[[str, float], None]
+    sections: Sequence[Section],
+    progress: Callable[[str, float], None],
+    *,
+    keep: Callable[[str, Figure], None] = lambda name, figure: None,
 ) -> tuple[Reproduced, ...]:
     """Compute and draw sections.
 
     Args:
         sections: The sections.
         progress: Told what is being done and which share of it is done.
+        keep: Told every figure with its section's name, to keep it as a file of its own.
 
     Returns:
         Everything for the report.
     """
-    picture, total, done, found = Pictures(), sum(s.seconds for s in sections), 0.0, []
+    total, done = sum(section.seconds for section in sections), 0.0
+    found: list[Reproduced] = []
+    picture = Pictures(lambda figure: keep(sections[len(found)].name, figure))
     for section in sections:
         progress(section.name, done / total)
         content = section.build(picture)
@@ -70,6 +80,26 @@ def reproduce(
         found.append(Reproduced(section, content, judged))
         done += section.seconds
     return tuple(found)
+
+
+def png_files(out: pathlib.Path) -> Callable[[str, Figure], None]:
+    """What keeps every figure as a PNG file named by its section.
+
+    Args:
+        out: The folder, made if it is missing.
+
+    Returns:
+        What `reproduce` takes as `keep`.
+    """
+    drawn: collections.Counter[str] = collections.Counter()
+
+    def keep(name: str, figure: Figure) -> None:
+        drawn[name] += 1
+        number = f"-{drawn[name]}" if drawn[name] > 1 else ""
+        out.mkdir(parents=True, exist_ok=True)
+        figure.savefig(out / f"{name}{number}.png", dpi=_PNG_DPI)
+
+    return keep
 
 
 def counts(found: Sequence[Reproduced]) -> dict[Verdict, int]:

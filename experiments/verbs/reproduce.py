@@ -14,12 +14,14 @@ def reproduce(
     names: Annotated[tuple[str, ...], tyro.conf.Positional] = (),
     /,
     out: pathlib.Path = pathlib.Path("reproduction"),
+    png: bool = False,
 ) -> int:
     """Compute what the paper prints, beside it, with a verdict on every number.
 
     Args:
         names: What to reproduce, such as fig12 or table2; default: everything.
         out: Folder for report.html and claims.csv.
+        png: Write every figure as a PNG file of its own, too.
     """
     set_up()
     from experiments.reproduce import report
@@ -27,7 +29,11 @@ def reproduce(
 
     sections = chosen(names)
     with shown_progress(ERRORS) as progress:
-        found = report.reproduce(sections, stage(progress, 0.0, 0.98))
+        computing = stage(progress, 0.0, 0.98)
+        if png:
+            found = report.reproduce(sections, computing, keep=report.png_files(out))
+        else:
+            found = report.reproduce(sections, computing)
         progress("report", 0.98)
         written = report.write(found, out)
     for verdict, count in report.counts(found).items():
