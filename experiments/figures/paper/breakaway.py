@@ -48,8 +48,7 @@ def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
     )
     run.axhline(1e3 * START, color=GREY, lw=0.8)
     run.set_xlabel(label("time", "s"))
-    run.set_ylabel(label("q₄", "mm"))
-    run.set_title(f"upper carriage, {PRINTED_VOLTAGE} V on both drives")
+    run.set_ylabel(label(f"q₄ at {PRINTED_VOLTAGE} V on both drives", "mm"))
     legend_above(run)
     stairs = np.arange(0.4, 1.2, STEP)
     for found, colour, shift in ((loose, BLUE, -0.018), (tight, VERMILION, 0.018)):
@@ -64,5 +63,5 @@ def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
     histogram.axvline(PRINTED_VOLTAGE, color=BLACK, ls="--", lw=1, label="printed mean")
     histogram.set_xlabel(label("first voltage that moves the upper carriage", "V"))
     histogram.set_ylabel("repetitions of 30")
-    legend_above(histogram, columns=3)
+    legend_above(histogram, columns=1)
     return figure
