@@ -108,7 +108,7 @@ CONTRADICTIONS: tuple[Contradiction, ...] = (
         "E13",
     ),
     Contradiction(
-        "first mode of (18) with K of (20), T = 200 N, y = H/2: heave of held ends alone, "
+        "first mode of (18) with K of (20), T = 200 N, y = H/2: sway between held carriages, "
         "√(2T · 2/0.4155/2.1)/2π",
         (2 * 200 * 2 / 0.4155 / 2.1) ** 0.5 / (2 * math.pi),
         "natural frequency at 200 N, 5.2",

@@ -16,7 +16,7 @@ from experiments.reproduce.contradictions import CONTRADICTIONS
 
 ROOT = pathlib.Path(__file__).parents[2]
 ERRATA = (ROOT / "docs" / "errata.md").read_text(encoding="utf-8")
-SHARE_IN_CI = ("table2", "fig18")
+SHARE_IN_CI = ("fig18",)
 """Sections whose simulations are run in CI; the other simulations are slow tests."""
 
 

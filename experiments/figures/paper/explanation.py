@@ -34,7 +34,10 @@ def draw_explanations(fits: tuple[Explanation, ...]) -> Figure:
         if abs(value) > 2:
             axes.texts[-1].set_fontweight("bold")
     axes.set_xticks(range(len(REPORTED)))
-    axes.set_xticklabels([f"{one.name}\n{one.value:g} {one.unit}" for one in REPORTED])
+    names = (one.name.replace(", ", "\n").replace(" at ", "\nat ") for one in REPORTED)
+    axes.set_xticklabels(
+        [f"{name}\n{one.value:g} {one.unit}" for name, one in zip(names, REPORTED, strict=True)]
+    )
     axes.tick_params(axis="x", labelsize=8)
     axes.set_yticks(range(len(shown)))
     axes.set_yticklabels([fit.hypothesis.name.replace("; ", "\n", 1) for fit in shown])

@@ -48,7 +48,6 @@ def draw_creep(numbers: Creep) -> Figure:
         frequency.semilogx(numbers.hours[shown], 100 * left, color=colour)
     for axes in (tension, frequency):
         axes.set_xlabel(label("time under load", "h"))
-        axes.set_ylim(bottom=0)
     tension.set_ylabel(label("pretension", "N"))
     frequency.set_ylabel(label("natural frequency left", "%"))
     legend_above(tension, columns=2)

@@ -25,6 +25,7 @@ from experiments.style import (
 )
 
 _COLOURS = (ORANGE, VERMILION, GREEN, BLUE)
+_TICKS = (2, 5, 10, 20, 50)  # N
 
 
 @styled
@@ -78,6 +79,8 @@ def draw_sticking(numbers: Validity) -> Figure:
                 label=f"T_eff {tension:g} N",
             )
         axes.set_xlabel(label("force of the knock, 30 ms", "N"))
+        axes.set_xticks(_TICKS, [f"{force:g}" for force in _TICKS])
+        axes.minorticks_off()
         axes.set_ylabel(label(f"{('lower', 'upper')[carriage]} carriage rests", "%"))
         axes.set_ylim(0, 105)
         legend_above(axes, columns=2)

@@ -119,6 +119,7 @@ BREAKAWAY: tuple[Claim, ...] = (
         moves_with_printed_friction,
         Verdict.NOT_REPRODUCIBLE,
         "E21: 241 N on each carriage hold it against 132 N",
+        heavy=True,
     ),
     Claim(
         "fig10",

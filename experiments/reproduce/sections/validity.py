@@ -37,8 +37,9 @@ def validity(picture: Pictures) -> Content:
             "with drives and exact friction against the nonlinear one, the largest distance in "
             f"1.2 s. It stays below the camera's 0.19 mm in {100 * inside:.0f} % of the map's "
             "cells.",
-            "The small-angle assumption costs most where the cables incline most: "
-            "low tension, hard acceleration, and an end-effector near the top or the bottom.",
+            "The small-angle assumption costs most where the cables incline most: low "
+            "tension, hard acceleration, and an end-effector low in the frame, near the "
+            "driven carriage.",
             "Friction holds both carriages while the end-effector's deflection stays below "
             "2μ z/(1 − μ²), 11 mm at 85 N and mid-height: small knocks ring with held "
             "carriages, hard ones don't, and the last part of every ring-down does.",
