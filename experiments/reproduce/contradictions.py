@@ -100,6 +100,14 @@ CONTRADICTIONS: tuple[Contradiction, ...] = (
         "E17",
     ),
     Contradiction(
+        "redundancy of Figure 2's robot, m − n = 3 − 4",
+        3 - 4.0,
+        "r of a fully constrained robot, 1",
+        1.0,
+        "1",
+        "E33",
+    ),
+    Contradiction(
         "height of the end-effector, 2.1, 0.287 mm",
         0.287,
         "the same, Table 1",

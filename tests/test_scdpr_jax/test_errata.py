@@ -23,6 +23,7 @@ from scdpr_jax.linear import external_forces, mass_matrix
 from scdpr_jax.loop_elasticity import consistent_section, loop_stiffness, published_section
 from scdpr_jax.parameters import replace
 from scdpr_jax.prototype import consistent, published
+from scdpr_jax.stiffness import cable_lengths
 from scdpr_jax.workspace import frame_share, static_workspace
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -248,6 +249,18 @@ def test_weight_costs_the_printed_controller_three_millimetres():
     # Half of the weight's torque on each drive, of opposite signs.
     angle = weight * RADIUS / 2 / float(drive.torque_per_volt * controller.proportional_gain)
     assert abs(angle * RADIUS - 3.1e-3) <= 0.05e-3
+
+
+def test_four_cables_have_one_self_balancing_family_of_tensions():
+    pose = jnp.array([0.8, 0.5, 0.0])
+    structure = jax.jacobian(
+        lambda at: cable_lengths(
+            ROBOT, at, end_effector_width=jnp.asarray(0.287), crossed=False
+        )
+    )(pose)
+    cables, freedoms = structure.shape
+    redundancy = cables - int(jnp.linalg.matrix_rank(structure))
+    assert redundancy == cables - freedoms == 1
 
 
 def test_every_test_that_the_errata_name_exists():
