@@ -11,7 +11,9 @@ from experiments.verbs.console import ERRORS, OUT, wrote
 
 
 def reproduce(
-    names: Annotated[tuple[str, ...], tyro.conf.Positional] = (),
+    names: Annotated[
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="[NAME …]")
+    ] = (),
     /,
     out: pathlib.Path = pathlib.Path("reproduction"),
     png: bool = False,
