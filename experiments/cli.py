@@ -13,6 +13,7 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("simulate", "one manoeuvre of a fitted robot"),
     ("sweep", "frequency, workspace or closed loop over poses and parameters: netCDF"),
     ("benchmark", "error beside speed, for this engine and its peers"),
+    ("reproduce", "the paper's tables and figures, beside what is printed, and judged"),
 )
 """Every verb and what it does."""
 

@@ -3,6 +3,7 @@
 import functools
 import importlib.metadata
 import platform
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jinja2
@@ -29,8 +30,14 @@ class Picture(NamedTuple):
 class Pictures:
     """The figures of one page, each with identifiers of its own."""
 
-    def __init__(self) -> None:
+    def __init__(self, keep: Callable[[Figure], None] = lambda figure: None) -> None:
+        """Begin a page.
+
+        Args:
+            keep: Told every figure, to keep it somewhere else too.
+        """
         self._count = 0
+        self._keep = keep
 
     def __call__(self, figure: Figure, caption: str, *, narrow: bool = False) -> Picture:
         """A figure as a picture of the page.
@@ -44,6 +51,7 @@ class Pictures:
             The picture.
         """
         self._count += 1
+        self._keep(figure)
         svg = inline_svg(figure, name=f"fig{self._count}", description=caption)
         # The figure's text was escaped as it was drawn, its description just now.
         return Picture(Markup(svg), caption, narrow)

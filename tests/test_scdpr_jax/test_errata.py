@@ -20,9 +20,11 @@ from scdpr_jax.controller import published_pd
 from scdpr_jax.drive import drive_pole, motor_torque, transfer_function
 from scdpr_jax.dynamics import drive_forces, pulley_rates, rest
 from scdpr_jax.linear import external_forces, mass_matrix
+from scdpr_jax.loop_elasticity import consistent_section, loop_stiffness, published_section
 from scdpr_jax.parameters import replace
 from scdpr_jax.prototype import consistent, published
-from scdpr_jax.workspace import static_workspace
+from scdpr_jax.stiffness import cable_lengths
+from scdpr_jax.workspace import frame_share, static_workspace
 
 ROOT = pathlib.Path(__file__).parents[2]
 EPS = float(np.finfo(float).eps)
@@ -215,6 +217,50 @@ def test_horizontal_manoeuvre_at_its_printed_time_a_leg_errs_by_half_of_what_is_
     # Reported: 50 mm and 3.2 degrees, which it comes near at 2 s a leg.
     assert error.max() < 0.030
     assert np.rad2deg(np.abs(position[:, 1]).max()) < 2.0
+
+
+def test_height_of_section_2_1_would_make_a_plate_of_a_third_of_a_millimetre():
+    half = 0.287e-3 / 2
+    thin = replace(ROBOT, {"lower_offset": half, "upper_offset": half})
+    # Eq. (1) would then have 87 % of the frame's area, and the paper's figure 65 %.
+    assert frame_share(thin) > 0.87
+    assert abs(float(frame_share(ROBOT)) - 0.651) <= 0.0005
+
+
+def test_printed_modulus_would_stretch_the_loop_by_half_a_metre():
+    printed = 350 / float(loop_stiffness(ROBOT, published_section()))
+    used = 350 / float(loop_stiffness(ROBOT, consistent_section()))
+    # To the digits given, 0.44 m and 4.4 mm.
+    assert abs(printed - 0.44) <= 0.005
+    assert abs(used - 4.4e-3) <= 0.05e-3
+
+
+def test_staircase_finds_the_step_above_half_a_step_too_high():
+    step = 0.1
+    force = np.random.default_rng(0).uniform(0.4, 0.9, 10_000)
+    found = step * np.ceil(force / step)
+    # The mean of ten thousand evenly spread remainders.
+    assert abs(np.mean(found - force) - step / 2) <= 4 * step / np.sqrt(12 * 10_000)
+
+
+def test_weight_costs_the_printed_controller_three_millimetres():
+    controller, drive = published_pd(), ROBOT.drive
+    weight = float(ROBOT.end_effector.mass) * 9.81
+    # Half of the weight's torque on each drive, of opposite signs.
+    angle = weight * RADIUS / 2 / float(drive.torque_per_volt * controller.proportional_gain)
+    assert abs(angle * RADIUS - 3.1e-3) <= 0.05e-3
+
+
+def test_four_cables_have_one_self_balancing_family_of_tensions():
+    pose = jnp.array([0.8, 0.5, 0.0])
+    structure = jax.jacobian(
+        lambda at: cable_lengths(
+            ROBOT, at, end_effector_width=jnp.asarray(0.287), crossed=False
+        )
+    )(pose)
+    cables, freedoms = structure.shape
+    redundancy = cables - int(jnp.linalg.matrix_rank(structure))
+    assert redundancy == cables - freedoms == 1
 
 
 def test_every_test_that_the_errata_name_exists():

@@ -1,0 +1,1 @@
+"""What each section of the report computes, says and draws; see `catalogue.SECTIONS`."""
