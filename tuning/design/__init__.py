@@ -1,0 +1,7 @@
+"""Shapers designed for a spread of modes: the best of their kind, not the nearest of a list."""
+
+from tuning.design.criterion import Criterion as Criterion
+from tuning.design.criterion import worst_residual as worst_residual
+from tuning.design.positive import Design as Design
+from tuning.design.positive import least_duration as least_duration
+from tuning.design.positive import least_residual as least_residual
