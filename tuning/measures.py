@@ -32,29 +32,29 @@ def smoothing(shaper: Shaper, *, acceleration: Any) -> Float[Array, ""]:
     return real(acceleration) / 2 * (shaper.amplitudes @ jnp.square(away))
 
 
-def residual_curve(
-    shaper: Shaper, frequency: Float[np.ndarray, " points"], *, damping_ratio: float
-) -> Float[np.ndarray, " points"]:
-    """Residual vibration over the frequency that a shaper meets.
+def residual_of_modes(
+    shaper: Shaper, frequency: Float[Array, " modes"], damping_ratio: Float[Array, " modes"]
+) -> Float[np.ndarray, " modes"]:
+    """Residual vibration of a shaper in each of some modes.
 
     Args:
         shaper: The impulses.
-        frequency: Frequencies [Hz].
-        damping_ratio: Damping ratio that it meets [1].
+        frequency: Undamped natural frequencies [Hz].
+        damping_ratio: Damping ratios [1].
 
     Returns:
         Residual vibration [1].
     """
-    return np.asarray(_curve(shaper, jnp.asarray(frequency), jnp.asarray(damping_ratio)))
+    return np.asarray(_of_modes(shaper, jnp.asarray(frequency), jnp.asarray(damping_ratio)))
 
 
 @jax.jit
-def _curve(
-    shaper: Shaper, frequency: Float[Array, " points"], ratio: Float[Array, ""]
-) -> Float[Array, " points"]:
-    return jax.vmap(lambda f: residual_vibration(shaper, frequency=f, damping_ratio=ratio))(
-        frequency
-    )
+def _of_modes(
+    shaper: Shaper, frequency: Float[Array, " modes"], damping_ratio: Float[Array, " modes"]
+) -> Float[Array, " modes"]:
+    return jax.vmap(
+        lambda f, ratio: residual_vibration(shaper, frequency=f, damping_ratio=ratio)
+    )(frequency, damping_ratio)
 
 
 def insensitivity(
@@ -75,7 +75,7 @@ def insensitivity(
     ratios = np.linspace(0, 3, 3 * _POINTS)
     # A hump touches the tolerance: rounding mustn't end the band there.
     most = tolerance * (1 + 1e-9)
-    left = residual_curve(shaper, frequency * ratios, damping_ratio=damping_ratio)
+    left = residual_of_modes(shaper, frequency * ratios, np.full_like(ratios, damping_ratio))
     nominal = int(np.argmin(np.abs(ratios - 1)))
     if left[nominal] > most:
         return 0.0
