@@ -33,7 +33,7 @@ def smoothing(shaper: Shaper, *, acceleration: Any) -> Float[Array, ""]:
 
 
 def residual_of_modes(
-    shaper: Shaper, frequency: Float[Array, " modes"], damping_ratio: Float[Array, " modes"]
+    shaper: Shaper, frequency: Any, damping_ratio: Any
 ) -> Float[np.ndarray, " modes"]:
     """Residual vibration of a shaper in each of some modes.
 
@@ -45,7 +45,7 @@ def residual_of_modes(
     Returns:
         Residual vibration [1].
     """
-    return np.asarray(_of_modes(shaper, jnp.asarray(frequency), jnp.asarray(damping_ratio)))
+    return np.asarray(_of_modes(shaper, real(frequency), real(damping_ratio)))
 
 
 @jax.jit

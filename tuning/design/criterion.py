@@ -1,5 +1,7 @@
 """What a shaper is judged by: convex functions of the vibration that it leaves in modes."""
 
+from typing import Any
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -65,20 +67,18 @@ def phasors(
     return jnp.swapaxes(of_mode(criterion.frequency, criterion.damping_ratio), 0, 1)
 
 
-def worst_residual(
-    frequency: Float[Array, " modes"], damping_ratio: Float[Array, " modes"]
-) -> Criterion:
+def worst_residual(frequency: Any, damping_ratio: Any, *, limits: Any = None) -> Criterion:
     """The largest residual vibration over a spread of modes.
 
     Args:
         frequency: Undamped natural frequencies: of a map, of a posterior's samples [Hz].
         damping_ratio: Their damping ratios [1].
+        limits: What each mode may be left with [1]; residuals are then counted over their
+            limits, and 1 is what keeps all of them. Default: residuals as they are.
 
     Returns:
         The criterion.
     """
     frequency = real(frequency)
-    modes = frequency.size
-    return Criterion(
-        frequency, damping_ratio, jnp.zeros(modes, frequency.dtype), jnp.eye(modes)
-    )
+    weights = jnp.ones_like(frequency) if limits is None else 1 / real(limits)
+    return Criterion(frequency, damping_ratio, jnp.zeros_like(frequency), jnp.diag(weights))

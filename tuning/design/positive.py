@@ -13,14 +13,14 @@ from jaxtyping import Array, Float
 from scdpr_jax.shaper import Shaper
 from tuning.design.criterion import Criterion, phasors
 from tuning.design.minimax import Minimax, Minimum, minimise
-from tuning.design.refine import refined
+from tuning.design.refine import IMPULSES, refined
 
 GRID = 33
 """Instants at which the convex program may put impulses; a refinement moves them."""
 GAP = 1e-8
 """How close to the least residual the convex program comes [1]."""
-NOTHING = 1e-6
-"""An amplitude below this is none [1]: what a barrier of `GAP` leaves where none belongs."""
+_LEAST_AMPLITUDE = 1e-3
+"""An amplitude of the grid below this is none [1]: a barrier leaves a little everywhere."""
 EXACT = 5e-4
 """How exactly a least duration is found, relative to itself [1]."""
 NOTHING_LEFT = 1e-7
@@ -63,8 +63,8 @@ def least_residual(
         # Many shapers leave nothing; the shortest is the one with the fewest impulses.
         shortest = least_duration(criterion, bound=NOTHING_LEFT, longest=duration)
         return _best(criterion, [shortest.shaper, *starts], 0.0)
-    gathered = _gathered(np.asarray(found.x), duration)
-    ranked = sorted([gathered, *starts], key=lambda shaper: float(criterion(shaper)))
+    candidates = [*_impulses(np.asarray(found.x), duration), *starts]
+    ranked = sorted(candidates, key=lambda shaper: float(criterion(shaper)))
     moved = [refined(criterion, shaper) for shaper in ranked[:2]]
     return _best(criterion, [*moved, ranked[0]], float(found.lower_bound))
 
@@ -108,10 +108,10 @@ def least_duration(
             high = middle
         else:
             low, left_low = middle, left
-    best = _on_the_way(criterion, high)
+    best = _on_the_way(criterion, high, low)
     while not best.residual <= bound:
         low, left_low, high = high, best.residual, 1.005 * high
-        best = _on_the_way(criterion, high)
+        best = _on_the_way(criterion, high, low)
     # A refined shaper leaves less than the grid's: it may be shorter than the grid allows.
     low = min(low, 0.98 * high)
     while high - low > EXACT * high:
@@ -129,11 +129,15 @@ def least_duration(
     return _best(criterion, [shaper], best.lower_bound)
 
 
-def _on_the_way(criterion: Criterion, duration: float) -> Design:
-    """The grid's shaper of a duration, refined."""
-    found = _on_grid(criterion, jnp.asarray(duration))
-    shaper = refined(criterion, _gathered(np.asarray(found.x), duration))
-    return _best(criterion, [shaper], float(found.lower_bound))
+def _on_the_way(criterion: Criterion, duration: float, shorter: float) -> Design:
+    """The grid's shaper of a duration, refined.
+
+    Where nothing is left the grid's amplitudes are smeared over all that do; those of a
+    shorter duration, which leaves something, aren't, and stretched they lead further.
+    """
+    found, before = (_on_grid(criterion, jnp.asarray(d)) for d in (duration, shorter))
+    starts = [s for on in (found, before) for s in _impulses(np.asarray(on.x), duration)]
+    return _best(criterion, [refined(criterion, s) for s in starts], float(found.lower_bound))
 
 
 def _best(criterion: Criterion, shapers: list[Shaper], lower_bound: float) -> Design:
@@ -172,15 +176,29 @@ def _on_grid(criterion: Criterion, duration: Float[Array, ""]) -> Minimum:
     return minimise(problem, jnp.full_like(times, 1 / GRID), jnp.asarray(GAP))
 
 
-def _gathered(amplitudes: Float[np.ndarray, " grid"], duration: float) -> Shaper:
-    """One impulse for each hill of amplitudes, at its centre; the ends stay where they are."""
-    instants = np.linspace(0, duration, GRID)
-    used = np.where(amplitudes > 1e3 * NOTHING, amplitudes, 0.0)
+def _impulses(amplitudes: Float[np.ndarray, " grid"], duration: float) -> list[Shaper]:
+    """What the grid's amplitudes stand for, the fewer impulses first.
+
+    An impulse between two instants is shared by them, so each hill of amplitudes may be one
+    impulse at its centre; or there are two, close to each other.
+    """
+    used = np.where(amplitudes > _LEAST_AMPLITUDE, amplitudes, 0.0)
     valleys = [0, *_valleys(used), GRID]
-    hills = [slice(a, b) for a, b in itertools.pairwise(valleys)]
-    hills = [hill for hill in hills if used[hill].sum() > 0]
+    hills = [np.arange(a, b) for a, b in itertools.pairwise(valleys)]
+    each = [np.array([n]) for n in np.flatnonzero(used)]
+    groups = [[hill for hill in hills if used[hill].sum() > 0]]
+    if len(each) <= IMPULSES:
+        groups.append(each)
+    return [_centred(used, group, duration) for group in groups]
+
+
+def _centred(
+    used: Float[np.ndarray, " grid"], hills: list[np.ndarray], duration: float
+) -> Shaper:
+    """An impulse at each hill's centre; those of the first and last instant stay there."""
+    instants = np.linspace(0, duration, GRID)
     sums = np.array([used[hill].sum() for hill in hills])
-    times = np.array([used[h] @ instants[h] / used[h].sum() for h in hills])
+    times = np.array([used[hill] @ instants[hill] / used[hill].sum() for hill in hills])
     if used[0] > 0:
         times[0] = 0.0
     if used[-1] > 0:

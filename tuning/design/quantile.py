@@ -1,9 +1,11 @@
 """The best shaper where a share of the modes may be left worse."""
 
-import jax.numpy as jnp
+from typing import Any
+
 import numpy as np
 from jaxtyping import Array, Float
 
+from scdpr_jax.fields import real
 from tuning.design.criterion import Criterion, worst_residual
 from tuning.design.positive import Design, least_residual
 from tuning.measures import residual_of_modes
@@ -12,8 +14,8 @@ _ROUNDS = 6
 
 
 def least_quantile(
-    frequency: Float[Array, " modes"],
-    damping_ratio: Float[Array, " modes"],
+    frequency: Any,
+    damping_ratio: Any,
     *,
     share: float,
     duration: float,
@@ -34,7 +36,7 @@ def least_quantile(
     Returns:
         The design; its residual is the quantile, its lower bound that of its own samples.
     """
-    frequency, damping_ratio = jnp.asarray(frequency), jnp.asarray(damping_ratio)
+    frequency, damping_ratio = real(frequency), real(damping_ratio)
     counted = max(1, int(np.ceil(share * frequency.size)))
     best = least_residual(worst_residual(frequency, damping_ratio), duration=duration)
     best = best._replace(residual=_quantile(best, frequency, damping_ratio, counted))
