@@ -10,6 +10,7 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("identify-drive", "one motor-driven axis: inertia, friction, offset from a log"),
     ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
     ("tune", "gains and input shapers from parameters and frequencies: tuning.json"),
+    ("shape", "the input shaper for a measured spectrum: shaper.json"),
     ("simulate", "one manoeuvre of a fitted robot"),
     ("sweep", "frequency, workspace or closed loop over poses and parameters: netCDF"),
     ("benchmark", "error beside speed, for this engine and its peers"),

@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from experiments.console_text import print_lines, rich_table
 from experiments.drive_report import axis_rows, axis_sentences
 from experiments.number_text import rounded
 from experiments.parameter_table import Row, inside, parameter_row
@@ -79,8 +80,8 @@ def show_tuning(console: Console, tuning: Tuning) -> None:
         tuning: The tuning.
     """
     for table in tuning_tables(tuning):
-        console.print(_table(table))
-    _print_lines(console, tuning_sentences(tuning))
+        console.print(rich_table(table))
+    print_lines(console, tuning_sentences(tuning))
 
 
 def show_frequencies(console: Console, frequencies: FrequencyMap) -> None:
@@ -107,7 +108,7 @@ def show_frequencies(console: Console, frequencies: FrequencyMap) -> None:
                 rounded(damping_sigma, damping_sigma),
             )
         )
-    console.print(_table(PlainTable("Natural frequencies", header, tuple(rows))))
+    console.print(rich_table(PlainTable("Natural frequencies", header, tuple(rows))))
     sliding = [
         run
         for run, noise in zip(frequencies.runs, frequencies.residuals_are_noise, strict=True)
@@ -119,7 +120,7 @@ def show_frequencies(console: Console, frequencies: FrequencyMap) -> None:
             f"More than noise is left of {', '.join(sliding)}: the carriages were still "
             "sliding, and the errors are widened for it."
         )
-    _print_lines(console, lines)
+    print_lines(console, lines)
 
 
 def show_axis(
@@ -136,7 +137,7 @@ def show_axis(
         _parameters(axis_rows(estimate, position_unit=position_unit), with_truth=False)
     )
     # The parameters are in the table already.
-    _print_lines(
+    print_lines(
         console, axis_sentences(estimate, position_unit=position_unit)[len(PARAMETER_NAMES) :]
     )
 
@@ -165,21 +166,6 @@ def _parameters(rows: Sequence[Row], *, with_truth: bool) -> Table:
     return table
 
 
-def _table(plain_table: PlainTable) -> Table:
-    table = Table(
-        title=plain_table.title,
-        title_justify="left",
-        box=None,
-        pad_edge=False,
-        header_style="bold",
-    )
-    for index, name in enumerate(plain_table.header):
-        table.add_column(Text(name), justify="right" if index else "left")
-    for row in plain_table.rows:
-        table.add_row(*(Text(cell) for cell in row))
-    return table
-
-
 def _print_words(console: Console, said: Words, *, parameters: int) -> None:
     # The parameters are in the table already.
     for title, lines in (
@@ -189,9 +175,4 @@ def _print_words(console: Console, said: Words, *, parameters: int) -> None:
     ):
         if title and lines:
             console.print(Text(title, style="bold"))
-        _print_lines(console, lines)
-
-
-def _print_lines(console: Console, lines: Sequence[str]) -> None:
-    for line in lines:
-        console.print(Text(f"- {line}"), soft_wrap=False)
+        print_lines(console, lines)

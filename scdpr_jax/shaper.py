@@ -127,6 +127,34 @@ def convolve(first: Shaper, second: Shaper) -> Shaper:
     return Shaper(times[order], amplitudes[order])
 
 
+def impulse_phasors(
+    times: Float[Array, " impulses"],
+    *,
+    end: Float[Array, ""],
+    frequency: Float[Array, ""],
+    damping_ratio: Float[Array, ""],
+) -> Float[Array, "2 impulses"]:
+    r"""Cosine and sine part of what each of some unit impulses leaves in a mode.
+
+    $$ e^{-\zeta\omega (t - t_i)} [\cos \omega_d t_i, \sin \omega_d t_i], \qquad
+       \omega_d = \omega \sqrt{1 - \zeta^2} $$
+
+    Args:
+        times: Instants $t_i$ of the impulses [s].
+        end: Instant $t$ at which the vibration is measured [s].
+        frequency: Undamped natural frequency $\omega / 2\pi$ of the mode [Hz].
+        damping_ratio: Damping ratio $\zeta$ of the mode [1], below 1.
+
+    Returns:
+        The two parts [1], as shares of the vibration of an impulse at that instant.
+    """
+    omega = 2 * jnp.pi * frequency
+    # Counted back from an end after the impulses the exponent is never positive: no overflow.
+    decay = jnp.exp(-damping_ratio * omega * (end - times))
+    angle = omega * jnp.sqrt(1 - jnp.square(damping_ratio)) * times
+    return jnp.stack([decay * jnp.cos(angle), decay * jnp.sin(angle)])
+
+
 def residual_phasor(
     shaper: Shaper, *, frequency: Float[Array, ""], damping_ratio: Float[Array, ""]
 ) -> Float[Array, "2"]:
@@ -146,12 +174,10 @@ def residual_phasor(
     Returns:
         The two parts [1], as shares of a single unit impulse's vibration.
     """
-    omega = 2 * jnp.pi * frequency
-    # Counted back from the last impulse the exponent is never positive: no overflow.
-    decay = jnp.exp(-damping_ratio * omega * (shaper.times[-1] - shaper.times))
-    angle = omega * jnp.sqrt(1 - jnp.square(damping_ratio)) * shaper.times
-    weight = shaper.amplitudes * decay
-    return jnp.stack([jnp.sum(weight * jnp.cos(angle)), jnp.sum(weight * jnp.sin(angle))])
+    phasors = impulse_phasors(
+        shaper.times, end=shaper.times[-1], frequency=frequency, damping_ratio=damping_ratio
+    )
+    return phasors @ shaper.amplitudes
 
 
 def residual_vibration(
