@@ -5,7 +5,7 @@ from typing import NamedTuple
 from experiments.coordinates import plain_symbol
 from experiments.number_text import percent, readable_unit, rounded
 from identification.uncertainty import ParameterEstimate, half_width
-from scdpr_jax.parameters import QUANTITIES
+from scdpr_jax.parameters import QUANTITIES, REFINEMENTS
 
 COVERED = 0.997
 """Level of the interval that the truth is looked for in [1]."""
@@ -54,7 +54,9 @@ def parameter_row(
     Returns:
         The line.
     """
-    known = {quantity.name: quantity for quantity in QUANTITIES}.get(parameter.name)
+    known = {quantity.name: quantity for quantity in (*QUANTITIES, *REFINEMENTS)}.get(
+        parameter.name
+    )
     low, high = parameter.interval95
     half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
     fixed = parameter.status == "fixed"

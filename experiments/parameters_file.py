@@ -11,7 +11,7 @@ from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
 from identification.estimate import Estimate
 from identification.unknowns import PER_SETTING
 from scdpr_jax.files import write_whole
-from scdpr_jax.parameters import QUANTITIES, Robot, exact, replace
+from scdpr_jax.parameters import QUANTITIES, REFINEMENTS, Robot, exact, replace
 from scdpr_jax.prototype import consistent
 from tuning.json_file import read_json
 
@@ -84,6 +84,7 @@ def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
             "misfit": fit.misfit,
             "measurements": fit.measurements,
             "starts": list(fit.starts),
+            "minima": [valley._asdict() for valley in fit.valleys],
         },
     }
     write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
@@ -145,7 +146,7 @@ class FittedRobot(pydantic.BaseModel):
     @property
     def robot(self) -> Robot:
         """The robot at its first pretension setting."""
-        known = {quantity.name for quantity in QUANTITIES}
+        known = {quantity.name for quantity in (*QUANTITIES, *REFINEMENTS)}
         values: dict[str, float] = {}
         for row in self.parameters:
             if row.name in known:
@@ -194,7 +195,7 @@ def read_parameters(path: pathlib.Path) -> FittedRobot:
         ValueError: If the file isn't what `scdpr identify` writes; says where.
     """
     found = read_json(path, FittedRobot, expected="a parameters.json", verb="identify")
-    units = {quantity.name: quantity.unit for quantity in QUANTITIES}
+    units = {quantity.name: quantity.unit for quantity in (*QUANTITIES, *REFINEMENTS)}
     for row in found.parameters:
         if row.name in units and row.unit != units[row.name]:
             raise ValueError(

@@ -32,6 +32,7 @@ from identification.campaign.types import Campaign
 from identification.comparison import Comparison
 from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
+from identification.starts import Valley
 from identification.uncertainty import covariance
 from scdpr_jax.files import write_whole
 from scdpr_jax.parameters import Robot, value
@@ -328,6 +329,19 @@ def _run(campaign: Campaign, comparison: Comparison, picture: Pictures) -> dict[
     }
 
 
+def _minima(valleys: Sequence[Valley]) -> list[tuple[str, str]]:
+    """Every minimum that the search came by, so that one sees how clear the choice was."""
+    return [
+        (
+            f"minimum {number} at {valley.setting}",
+            f"T {plain(valley.pretension, 4)} N, μ {plain(valley.friction_coefficient, 3)}: "
+            f"misfit {plain(valley.misfit, 3)} per measurement of the runs that it was "
+            "sought with",
+        )
+        for number, valley in enumerate(valleys, start=1)
+    ]
+
+
 def _provenance(campaign: Campaign, estimate: Estimate) -> list[tuple[str, str]]:
     fit = estimate.fit
     fitted = ", ".join(run.name for run in estimate.comparisons if not run.held_out)
@@ -337,8 +351,9 @@ def _provenance(campaign: Campaign, estimate: Estimate) -> list[tuple[str, str]]
         ("fitted runs", fitted),
         ("held-out runs", held_out or "none"),
         ("skipped runs", ", ".join(name for name, _ in campaign.skipped) or "none"),
-        ("measurements", f"{fit.measurements}"),
+        ("independent measurements", f"{fit.measurements:.0f}"),
         ("fit", f"{fit.ended} after {fit.iterations} evaluations; {len(fit.starts)} starts"),
+        *_minima(fit.valleys),
         ("encoder noise, σ", f"{1e3 * sensors['encoder_sigma']:.4g} mrad"),
         (
             "camera noise, σ",

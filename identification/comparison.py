@@ -85,10 +85,27 @@ class Comparison:
 
 
 @eqx.filter_jit
-def _predictions(
+def predictions(
     robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: Record
-):
-    def one(unknown, record):
+) -> tuple[
+    Float[Array, "runs rows 5"], Float[Array, "runs rows 2"], Float[Array, "runs frames 5"]
+]:
+    """Runs with the cable on as the robot would do them.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each run its free quantities and its circumstances.
+        records: The runs' records.
+
+    Returns:
+        Positions at the drive's rows, encoder angles there, and positions at the camera's
+        stamps [m, rad, m, m, m].
+    """
+
+    def one(
+        unknown: Float[Array, " n"], record: Record
+    ) -> tuple[Float[Array, "rows 5"], Float[Array, "rows 2"], Float[Array, "frames 5"]]:
         fitted = apply(robot, free, unknown[: len(free)])
         states, angle, frames = predict(fitted, Circumstances(*unknown[len(free) :]), record)
         return states.position, angle, frames
@@ -123,7 +140,7 @@ def compare(
     Raises:
         FloatingPointError: If the simulation of a run isn't finite.
     """
-    predicted = jax.tree.map(np.asarray, _predictions(robot, free, unknowns, records))
+    predicted = jax.tree.map(np.asarray, predictions(robot, free, unknowns, records))
     offsets = np.asarray(unknowns)[:, len(free) + 4]
     found = []
     for number, run in enumerate(runs):

@@ -205,12 +205,41 @@ QUANTITIES: tuple[Quantity, ...] = (
 )
 """Every quantity of a robot that has a name in the file formats."""
 
+REFINEMENTS: tuple[Quantity, ...] = (
+    Quantity(
+        "upper_friction_coefficient",
+        "1",
+        r"\mu_4",
+        lambda r: (r.upper_carriage.friction.coefficient,),
+        "friction coefficient of the upper carriage, where it has its own",
+        positive=False,
+    ),
+    Quantity(
+        "lower_carriage_damping",
+        "N s/m",
+        "d_3",
+        lambda r: (r.lower_carriage.friction.viscous,),
+        "viscous damping of the lower carriage",
+        positive=False,
+    ),
+    Quantity(
+        "upper_carriage_damping",
+        "N s/m",
+        "d_4",
+        lambda r: (r.upper_carriage.friction.viscous,),
+        "viscous damping of the upper carriage",
+        positive=False,
+    ),
+)
+"""What a fit may free besides: `campaign.toml` doesn't state it, and it refines a quantity
+of `QUANTITIES`, so it is replaced after those."""
+
 
 def quantity(name: str) -> Quantity:
     """The named quantity.
 
     Args:
-        name: A name of `QUANTITIES`.
+        name: A name of `QUANTITIES` or `REFINEMENTS`.
 
     Returns:
         The quantity of that name.
@@ -218,10 +247,10 @@ def quantity(name: str) -> Quantity:
     Raises:
         ValueError: If there is none.
     """
-    for candidate in QUANTITIES:
+    for candidate in (*QUANTITIES, *REFINEMENTS):
         if candidate.name == name:
             return candidate
-    names = ", ".join(candidate.name for candidate in QUANTITIES)
+    names = ", ".join(candidate.name for candidate in (*QUANTITIES, *REFINEMENTS))
     raise ValueError(f"unknown quantity {name!r}, expected one of: {names}.")
 
 
@@ -254,7 +283,8 @@ def replace(robot: Robot, values: dict[str, Any]) -> Robot:
     Raises:
         ValueError: If a name is unknown.
     """
-    for name, number in values.items():
+    refining = {refinement.name for refinement in REFINEMENTS}
+    for name, number in sorted(values.items(), key=lambda item: item[0] in refining):
         leaves = quantity(name).leaves
         number = jnp.asarray(number, dtype=leaves(robot)[0].dtype)
         robot = eqx.tree_at(leaves, robot, (number,) * len(leaves(robot)))

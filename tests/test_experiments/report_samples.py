@@ -8,6 +8,7 @@ from identification.comparison import Channel, Comparison
 from identification.estimate import Estimate, Fit
 from identification.frequency_map import FrequencyMap
 from identification.residuals import Circumstances
+from identification.starts import Valley
 from identification.uncertainty import ParameterEstimate
 from scdpr_jax.controller import PD
 from scdpr_jax.prototype import consistent
@@ -181,6 +182,7 @@ def estimate(*, off=0.0, held_out=True, parameters=None):
         ),
         fit=Fit(
             starts=(1.0, 1.1),
+            valleys=(Valley("350 N", 85.2, 0.0132, 1.1), Valley("350 N", 197.0, 0.006, 3.4)),
             iterations=7,
             ended="converged",
             misfit=0.0,
