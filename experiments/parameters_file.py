@@ -1,5 +1,6 @@
 """`parameters.json`: what a fit says about a robot, or about a single axis."""
 
+import dataclasses
 import json
 import math
 import pathlib
@@ -77,6 +78,10 @@ def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
             }
             for run in estimate.comparisons
             for channel in run.channels
+        ],
+        "models": [
+            dataclasses.asdict(model) | {"chosen": number == estimate.choice}
+            for number, model in enumerate(estimate.models)
         ],
         "fit": {
             "ended": fit.ended,

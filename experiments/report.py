@@ -23,6 +23,7 @@ from experiments.figures.residuals import residuals
 from experiments.figures.ring_down import decay_of, ring_down_figure
 from experiments.figures.robot_view import robot_view, shown_instants
 from experiments.figures.run_comparison import run_comparison
+from experiments.model_section import model_tables, moved_table, told_combinations
 from experiments.number_text import percent, plain, rounded
 from experiments.page import Picture, Pictures, page, versions
 from experiments.parameter_table import parameter_row
@@ -82,6 +83,9 @@ def write_report(
         parameter_pictures=list(_parameter_pictures(estimate, truth, picture)),
         fit_pictures=list(_fit_pictures(estimate, picture)),
         predictions=_predictions(estimate),
+        model_tables=model_tables(estimate),
+        moved=moved_table(estimate.identifiability),
+        combinations=told_combinations(estimate.identifiability),
         knocks=[] if frequencies is None else _knocks(frequencies),
         map_pictures=(
             []

@@ -7,6 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from experiments.drive_report import axis_rows, axis_sentences
+from experiments.model_section import model_tables
 from experiments.number_text import rounded
 from experiments.parameter_table import Row, inside, parameter_row
 from experiments.tuning_section import Table as PlainTable
@@ -65,6 +66,8 @@ def show(
         parameter_row(parameter, truth=dict(truth or {})) for parameter in estimated(estimate)
     ]
     console.print(_parameters(rows, with_truth=bool(truth)))
+    for table in model_tables(estimate):
+        console.print(_table(table))
     said = words(campaign, estimate, frequencies=frequencies, tuned=tuning is not None)
     _print_words(console, said, parameters=len(rows))
     if tuning is not None:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from experiments.coordinates import COORDINATES
+from experiments.model_section import verdict_on_models
 from experiments.number_text import percent, plain, readable_unit, rounded
 from identification.campaign.types import Campaign
 from identification.comparison import ENCODERS, Channel, Comparison
@@ -216,13 +217,21 @@ def words(
         )
     if frequencies is not None:
         found.append(_frequencies(frequencies))
-    sure = [_noise(estimate)]
+    sure = [_noise(estimate), *verdict_on_models(estimate)]
+    sure += _untold(estimate)
     sure += [_held_out(one) for one in predictions(estimate)]
     sure += _ending(estimate)
     if campaign is not None:
         sure += _clocks(campaign, estimate)
         sure += _skipped(campaign)
     return Words(tuple(found), tuple(sure), tuple(_next(estimate, frequencies, tuned)))
+
+
+def _untold(estimate: Estimate) -> list[str]:
+    """Why a quantity can't be told, or hardly."""
+    badly = [p for p in estimated(estimate) if p.status in ("weak", "unidentifiable")]
+    reasons = [estimate.identifiability.reason(p.name, p.setting) for p in badly]
+    return list(dict.fromkeys(reasons))
 
 
 def _parameter(parameter: ParameterEstimate) -> str:

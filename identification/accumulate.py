@@ -72,14 +72,16 @@ def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
     Returns:
         Angles from the start [rad].
     """
-    axis = AxisParameters(drive.inertia, drive.damping, drive.friction, 0.0)
     torque = motor_torque(drive, record.voltage)
 
-    def turn(torque: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+    def turn(
+        torque: Float[Array, " intervals"], friction: Float[Array, ""]
+    ) -> Float[Array, " rows"]:
+        axis = AxisParameters(drive.inertia, drive.damping, friction, 0.0)
         start = jnp.zeros_like(torque[0])
         return axis_positions(axis, torque, steps=record.duration, start=start)
 
-    return jax.vmap(turn, in_axes=1, out_axes=1)(torque)
+    return jax.vmap(turn, in_axes=(1, 0), out_axes=1)(torque, drive.frictions)
 
 
 def motor_residuals(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:

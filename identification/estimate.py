@@ -11,7 +11,9 @@ from jaxtyping import Float
 
 from identification.campaign.types import Campaign
 from identification.comparison import Comparison, compare, compare_motors
+from identification.identifiability import Identifiability, identifiability
 from identification.levenberg_marquardt import Minimum, free_unknowns
+from identification.models import Model
 from identification.problem import Problem
 from identification.residuals import Circumstances
 from identification.starts import Valley, starts
@@ -61,6 +63,17 @@ class Estimate:
     """Every run beside its simulation, those that were held out included."""
     fit: Fit
     """How it came about."""
+    identifiability: Identifiability
+    """What these logs can tell of what."""
+    models: tuple[Model, ...] = ()
+    """The models that were compared, the usual one first; empty where that is enough."""
+    choice: int = 0
+    """Which of them this estimate is of."""
+
+    @property
+    def lacks(self) -> tuple[str, ...]:
+        """What the usual model lacks, by the choice between models."""
+        return self.models[self.choice].added if self.models else ()
 
     def of_setting(self, label: str) -> Robot:
         """The robot at a nominal pretension.
@@ -183,6 +196,7 @@ def solve(
             misfit=minimum.normal.cost / problem.measurements(),
             measurements=problem.measurements(),
         ),
+        identifiability=identifiability(problem, minimum.point),
     )
 
 
@@ -204,6 +218,9 @@ def _judged(problem: Problem, minimum: Minimum) -> dict[str, object]:
     for index in np.flatnonzero(unknowns.opened):
         name, setting = unknowns.shared[index]
         number = decode(name, point[index])
+        if not seen[index] and point[index] > lower[index]:
+            # What no run shows is what it was taken to be, not where a search left it.
+            number = float(value(problem.prior, name))
         # The logarithm's standard error is relative.
         sigma = found.sigma[index] * (number if quantity(name).positive else 1.0)
         at_bound = bool(point[index] <= lower[index])

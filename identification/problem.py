@@ -316,6 +316,22 @@ class Problem:
         )
         return dataclasses.replace(self, rough=corrected)
 
+    def path_error(self, point: Float[np.ndarray, " n"]) -> float:
+        """How far the end-effector is from its prediction in the runs held out.
+
+        Args:
+            point: Vector of the fit.
+
+        Returns:
+            Root mean square distance over the frames that saw it [m]; NaN without any.
+        """
+        rows = [row for row, run in enumerate(self.cabled) if run in self.held_out]
+        (sums,) = self.sums([point], [rows])
+        seen = np.asarray(self.rough.frame_weight)[rows][:, :, [0, 4]]
+        off = _over(sums.residuals.frame[:, :, [0, 4]], seen)
+        whole = np.all(seen > 0, axis=2)
+        return float(np.sqrt(np.mean(np.sum(np.square(off), axis=2)[whole])))
+
     def vectors(self, point: Float[np.ndarray, " n"]) -> Float[np.ndarray, "runs own"]:
         """What a point says of each run with the cable on.
 

@@ -73,7 +73,7 @@ class Unknowns:
         """
         bounds = np.full(self.size, -np.inf)
         for index, (name, _) in enumerate(self.shared):
-            if not quantity(name).positive:
+            if not (quantity(name).positive or quantity(name).signed):
                 bounds[index] = 0.0
         return bounds
 

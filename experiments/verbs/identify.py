@@ -23,7 +23,8 @@ def identify(
         out: Folder for parameters.json.
         skip_bad_runs: Go on without runs that have faults, and say which.
         free: Quantities to estimate; default: friction, drive inertia and damping, and
-            the effective pretension of each setting.
+            the effective pretension of each setting, and where these leave more than noise
+            those of the model that explains the rest best.
         hold_out: Runs to predict instead of fitting them.
     """
     set_up()
@@ -31,12 +32,15 @@ def identify(
     from experiments.parameters_file import write_parameters
     from identification.campaign import read_campaign
     from identification.estimate import estimate
-    from identification.unknowns import DEFAULT_FREE
+    from identification.selection import select
 
     require_outside(out, campaign)
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
-        found = estimate(read, free=free or DEFAULT_FREE, hold_out=hold_out, progress=progress)
+        if free:
+            found = estimate(read, free=free, hold_out=hold_out, progress=progress)
+        else:
+            found = select(read, hold_out=hold_out, progress=progress)
     write_parameters(out / "parameters.json", found)
     summary.show(OUT, found, campaign=read)
     wrote(out / "parameters.json")
