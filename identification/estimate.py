@@ -18,7 +18,7 @@ from identification.problem import Problem
 from identification.residuals import Circumstances
 from identification.starts import Valley, starts
 from identification.uncertainty import ParameterEstimate, covariance, half_width, judge
-from identification.unknowns import DEFAULT_FREE, PER_SETTING, Unknowns, decode
+from identification.unknowns import DEFAULT_FREE, FOLLOWS, PER_SETTING, Unknowns, decode, encode
 from scdpr_jax.parameters import QUANTITIES, Robot, exact, quantity, replace, value
 from scdpr_jax.prototype import consistent
 
@@ -198,6 +198,30 @@ def solve(
         ),
         identifiability=identifiability(problem, minimum.point),
     )
+
+
+def vector(problem: Problem, found: Estimate) -> Float[np.ndarray, " n"]:
+    """An estimate as a vector of a problem of the same runs.
+
+    Args:
+        problem: The problem; it may free more quantities than the estimate did.
+        found: The estimate.
+
+    Returns:
+        Vector of the fit.
+    """
+    point = problem.at_rest()
+    estimated = {(p.name, p.setting): p.value for p in found.parameters}
+    for index, (name, setting) in enumerate(problem.unknowns.shared):
+        leader = (FOLLOWS.get(name, name), setting)
+        number = estimated.get((name, setting), estimated.get(leader))
+        if number is not None:
+            point[index] = encode(name, number)
+    for row, run in enumerate(problem.cabled):
+        own = found.circumstances[problem.runs[run].name]
+        clock = float(own.clock_offset) - problem.clocks[row].offset
+        point[problem.own(run)] = [own.lower, own.upper, own.height, own.knock, clock]
+    return point
 
 
 def _told(

@@ -219,6 +219,30 @@ class Problem:
         )
         return normal, np.concatenate([scores for _, scores in parts])
 
+    def evaluate_all(self, points: Sequence[Float[np.ndarray, " n"]]) -> list[Normal]:
+        """Normal equations of the fitted runs at several points, side by side.
+
+        Args:
+            points: Vectors of the fit.
+
+        Returns:
+            One for each point.
+        """
+        rows = [k for k, run in enumerate(self.cabled) if run not in self.held_out]
+        runs = [self.cabled[k] for k in rows]
+        found = [Normal(0.0, 0.0, 0.0)] * len(points)
+        if rows:
+            sums = self.sums(points, [rows] * len(points))
+            found = [assemble(self.unknowns, runs, own, shared=True)[0] for own in sums]
+        bare = dataclasses.replace(self, cabled=(), records=None, rough=None)
+        if any(run not in self.held_out for run in self.motors):
+            alone = [bare.evaluate(point)[0] for point in points]
+            found = [
+                Normal(*(a + b for a, b in zip(x, y, strict=True)))
+                for x, y in zip(found, alone, strict=True)
+            ]
+        return found
+
     def minimise(
         self,
         start: Float[np.ndarray, " n"],
@@ -256,6 +280,7 @@ class Problem:
         *,
         iterations: int,
         decrement: float,
+        shared: bool = True,
     ) -> list[Minimum]:
         """The minima that several starts lead to, on a few of the runs and side by side.
 
@@ -264,6 +289,7 @@ class Problem:
             starts: Vectors of the fit.
             iterations: Most evaluations of each.
             decrement: Decrease of the misfit that a step still has to promise.
+            shared: Whether the shared quantities are open, or the circumstances alone.
 
         Returns:
             Where each ended.
@@ -272,7 +298,7 @@ class Problem:
 
         def evaluate(points: list[Float[np.ndarray, " n"]]) -> list[Normal]:
             found = self.sums(points, [rows] * len(points))
-            return [assemble(self.unknowns, runs, sums, shared=True)[0] for sums in found]
+            return [assemble(self.unknowns, runs, sums, shared=shared)[0] for sums in found]
 
         return minimise_together(
             evaluate,

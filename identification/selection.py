@@ -3,18 +3,22 @@
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from identification.campaign.types import Campaign
-from identification.estimate import Estimate, estimate, require_float64, solve
+from identification.estimate import Estimate, estimate, require_float64, solve, vector
 from identification.levenberg_marquardt import Minimum, Normal, free_unknowns
 from identification.models import REFINEMENTS, Model, Refinement
 from identification.problem import Problem
-from identification.unknowns import DEFAULT_FREE, FOLLOWS, encode, layout
+from identification.unknowns import DEFAULT_FREE, FOLLOWS, layout
 from scdpr_jax.parameters import exact, replace
 from scdpr_jax.prototype import consistent
+
+ITERATIONS = 10
+"""Most evaluations of a model; the next one goes on from there, and the chosen one, too."""
 
 Progress = Callable[[str, float], None]
 
@@ -59,27 +63,30 @@ def select(
     every = (*DEFAULT_FREE, *(name for one in refinements for name in one.free))
     prior = exact(replace(consistent(), campaign.robot))
     whole = Problem.of(campaign, prior, every, frozenset(hold_out))
-    point = _point_of(whole, usual)
+    point = vector(whole, usual)
     left, added = list(refinements), []
-    tried: list[tuple[Model, Problem, np.ndarray]] = []
+    fits: list[_Fit] = []
     while True:
-        progress(f"model {len(tried) + 1}", 0.4 + 0.5 * len(tried) / (len(refinements) + 1))
+        progress(f"model {len(fits) + 1}", 0.4 + 0.4 * len(fits) / (len(refinements) + 1))
         problem = _opened(whole, added)
-        minimum = problem.minimise(_picked(whole, problem, point), iterations=25, decrement=0.1)
+        minimum = problem.minimise(
+            _picked(whole, problem, point), iterations=ITERATIONS, decrement=0.1
+        )
         point = _embedding(whole, problem) @ minimum.point
-        tried.append((_model(problem, minimum, added), problem, minimum.point))
+        fits.append(_Fit(tuple(added), problem, minimum, point))
         promised = _promises(whole, problem, point, left)
         if not promised or max(promised) <= 0:
             break
         added.append(left.pop(int(np.argmax(promised))))
-    models = tuple(model for model, _, _ in tried)
+    progress("models on the runs held out", 0.85)
+    models = _models(whole, fits)
     choice = _choice(models)
     if choice == 0:
         return dataclasses.replace(usual, models=models)
-    _, problem, point = tried[choice]
+    best = fits[choice]
     chosen = solve(
-        problem,
-        [point],
+        best.problem,
+        [best.minimum.point],
         campaign=campaign,
         valleys=usual.fit.valleys,
         progress=lambda doing, share: progress(doing, 0.9 + 0.1 * share),
@@ -87,27 +94,20 @@ def select(
     return dataclasses.replace(chosen, models=models, choice=choice)
 
 
+class _Fit(NamedTuple):
+    """A fitted model."""
+
+    added: tuple[Refinement, ...]
+    problem: Problem
+    minimum: Minimum
+    point: Float[np.ndarray, " whole"]
+
+
 def _opened(whole: Problem, added: Sequence[Refinement]) -> Problem:
     """The whole problem with only the usual and the added quantities free."""
     free = (*DEFAULT_FREE, *(name for one in added for name in one.free))
     unknowns = layout(whole.runs, whole.unknowns.free, opened=free)
     return dataclasses.replace(whole, unknowns=unknowns)
-
-
-def _point_of(whole: Problem, found: Estimate) -> Float[np.ndarray, " n"]:
-    """An estimate as a vector of the whole problem."""
-    point = whole.at_rest()
-    estimated = {(p.name, p.setting): p.value for p in found.parameters}
-    for index, (name, setting) in enumerate(whole.unknowns.shared):
-        leader = (FOLLOWS.get(name, name), setting)
-        number = estimated.get((name, setting), estimated.get(leader))
-        if number is not None:
-            point[index] = encode(name, number)
-    for row, run in enumerate(whole.cabled):
-        own = found.circumstances[whole.runs[run].name]
-        clock = float(own.clock_offset) - whole.clocks[row].offset
-        point[whole.own(run)] = [own.lower, own.upper, own.height, own.knock, clock]
-    return point
 
 
 def _embedding(whole: Problem, part: Problem) -> Float[np.ndarray, "whole part"]:
@@ -175,20 +175,27 @@ def _score(normal: Normal, base: Float[np.ndarray, "n base"], at: list[int]) -> 
     return float(slope @ np.linalg.pinv(open_to_it, hermitian=True) @ slope)
 
 
-def _model(problem: Problem, minimum: Minimum, added: Sequence[Refinement]) -> Model:
-    """A fitted model with its criteria, and how it predicts the held-out runs."""
-    measured = problem.measurements()
-    unknowns = int(
-        np.sum(free_unknowns(minimum.normal, minimum.point, problem.unknowns.lower()))
-    )
-    cost, held_out, error = minimum.normal.cost, None, None
-    if problem.held_out & set(problem.cabled):
-        alone = problem.minimise(minimum.point, iterations=12, decrement=0.1, held_out=True)
-        held_out, error = alone.normal.cost, problem.path_error(alone.point)
-    names = np.flatnonzero(problem.unknowns.opened)
+def _models(whole: Problem, fits: Sequence[_Fit]) -> tuple[Model, ...]:
+    """The fitted models with their criteria, and how they predict the runs held out."""
+    held_out = [(None, None)] * len(fits)
+    rows = [row for row, run in enumerate(whole.cabled) if run in whole.held_out]
+    if rows:
+        alone = whole.minimise_on(
+            rows, [fit.point for fit in fits], iterations=8, decrement=0.1, shared=False
+        )
+        held_out = [(end.normal.cost, whole.path_error(end.point)) for end in alone]
+    return tuple(_model(fit, *own) for fit, own in zip(fits, held_out, strict=True))
+
+
+def _model(fit: _Fit, held_out: float | None, error: float | None) -> Model:
+    added, problem, minimum, _ = fit
+    measured, cost = problem.measurements(), minimum.normal.cost
+    open_ones = free_unknowns(minimum.normal, minimum.point, problem.unknowns.lower())
+    unknowns = int(np.sum(open_ones))
+    opened = np.flatnonzero(problem.unknowns.opened)
     return Model(
         added=tuple(one.lacks for one in added),
-        free=tuple(dict.fromkeys(problem.unknowns.shared[k][0] for k in names)),
+        free=tuple(dict.fromkeys(problem.unknowns.shared[k][0] for k in opened)),
         misfit=cost / measured,
         aic=cost + 2 * unknowns,
         bic=cost + unknowns * math.log(measured),
