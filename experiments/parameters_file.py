@@ -8,7 +8,8 @@ from typing import Any, Literal
 
 import pydantic
 
-from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
+from identification.axis_law import AxisLaws
+from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
 from identification.unknowns import PER_SETTING
 from scdpr_jax.files import write_whole
@@ -16,7 +17,13 @@ from scdpr_jax.parameters import QUANTITIES, REFINEMENTS, Robot, exact, replace
 from scdpr_jax.prototype import consistent
 from tuning.json_file import read_json
 
-AXIS_UNITS = {"mass": "kg", "viscous": "N s/m", "coulomb": "N", "offset": "N"}
+AXIS_UNITS = {
+    "mass": "kg",
+    "viscous": "N s/m",
+    "coulomb": "N",
+    "offset": "N",
+    "viscous_difference": "N s/m",
+}
 """SI units of a linear axis's parameters."""
 
 
@@ -95,15 +102,31 @@ def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
     write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
-def write_axis_parameters(path: pathlib.Path, estimate: DriveAxisEstimate) -> None:
+def write_axis_parameters(
+    path: pathlib.Path, estimate: DriveAxisEstimate, laws: AxisLaws
+) -> None:
     """Write a drive axis's estimate as `parameters.json`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         estimate: The estimate.
+        laws: The extended friction law beside the usual one.
     """
     document = {
         "format": 1,
+        **_axis(estimate),
+        "extended": {
+            "preferred_by_held_out_data": laws.extended_is_preferred,
+            "held_out_rmse_m": laws.extended_ahead,
+            "held_out_rmse_of_the_usual_law_m": laws.usual_ahead,
+            **_axis(laws.extended),
+        },
+    }
+    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def _axis(estimate: DriveAxisEstimate) -> dict[str, Any]:
+    return {
         "parameters": [
             {
                 "name": name,
@@ -114,10 +137,10 @@ def write_axis_parameters(path: pathlib.Path, estimate: DriveAxisEstimate) -> No
                 "interval95": [_finite(float(end)) for end in estimate.interval95[row]],
                 "status": estimate.status[row],
             }
-            for row, name in enumerate(PARAMETER_NAMES)
+            for row, name in enumerate(estimate.names)
         ],
         "correlation": {
-            "names": list(PARAMETER_NAMES),
+            "names": list(estimate.names),
             "matrix": estimate.correlation.tolist(),
         },
         "open_loop_rmse_m": float(estimate.open_loop_rmse),
@@ -129,7 +152,6 @@ def write_axis_parameters(path: pathlib.Path, estimate: DriveAxisEstimate) -> No
             "residuals_hang_together_for_s": float(estimate.memory),
         },
     }
-    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
 class _Parameter(pydantic.BaseModel):

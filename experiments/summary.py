@@ -6,15 +6,16 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from experiments.drive_report import axis_rows, axis_sentences
+from experiments.drive_report import axis_rows, axis_sentences, law_sentences
 from experiments.model_section import model_tables
 from experiments.number_text import rounded
 from experiments.parameter_table import Row, inside, parameter_row
 from experiments.tuning_section import Table as PlainTable
 from experiments.tuning_section import tuning_sentences, tuning_tables
 from experiments.verdict import Words, estimated, words
+from identification.axis_law import AxisLaws
 from identification.campaign.types import Campaign
-from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
+from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
 from tuning.types import Tuning
@@ -126,22 +127,26 @@ def show_frequencies(console: Console, frequencies: FrequencyMap) -> None:
 
 
 def show_axis(
-    console: Console, estimate: DriveAxisEstimate, *, position_unit: str = "m"
+    console: Console,
+    estimate: DriveAxisEstimate,
+    laws: AxisLaws,
+    *,
+    position_unit: str = "m",
 ) -> None:
     """Print an axis's parameters.
 
     Args:
         console: Where to print them.
         estimate: The estimate.
+        laws: The extended friction law beside the usual one.
         position_unit: SI unit of its log's positions, "m" or "rad".
     """
     console.print(
         _parameters(axis_rows(estimate, position_unit=position_unit), with_truth=False)
     )
     # The parameters are in the table already.
-    _print_lines(
-        console, axis_sentences(estimate, position_unit=position_unit)[len(PARAMETER_NAMES) :]
-    )
+    told = axis_sentences(estimate, position_unit=position_unit)[len(estimate.names) :]
+    _print_lines(console, [*told, *law_sentences(laws, position_unit=position_unit)])
 
 
 def _parameters(rows: Sequence[Row], *, with_truth: bool) -> Table:

@@ -142,6 +142,9 @@ def compare(
     """
     predicted = jax.tree.map(np.asarray, predictions(robot, free, unknowns, records))
     offsets = np.asarray(unknowns)[:, len(free) + 4]
+    seen, frame, frame_time = (
+        np.asarray(part) for part in (records.frame_weight, records.frame, records.frame_time)
+    )
     found = []
     for number, run in enumerate(runs):
         path, angle, frames = (part[number] for part in predicted)
@@ -152,10 +155,9 @@ def compare(
                 f"run {run.name!r}: the simulation isn't finite at the fitted values. "
                 "Look at the run with `scdpr check`, or leave it out."
             )
-        record = jax.tree.map(lambda leaf, number=number: np.asarray(leaf[number]), records)
-        used = record.frame_weight[:count] > 0
-        measured = np.where(used, record.frame[:count], np.nan)
-        stamps = record.frame_time[:count] - offsets[number] + run.drive.time[0]
+        used = seen[number, :count] > 0
+        measured = np.where(used, frame[number, :count], np.nan)
+        stamps = frame_time[number, :count] - offsets[number] + run.drive.time[0]
         found.append(
             _comparison(
                 run,
@@ -169,6 +171,15 @@ def compare(
     return tuple(found)
 
 
+@eqx.filter_jit
+def _motor_predictions(
+    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: MotorRecord
+) -> Float[Array, "runs rows 2"]:
+    return jax.vmap(lambda u, r: motor_angles(apply(robot, free, u).drive, r))(
+        unknowns, records
+    )
+
+
 def compare_motors(
     robot: Robot,
     free: tuple[str, ...],
@@ -180,15 +191,13 @@ def compare_motors(
     held_out: frozenset[str],
 ) -> tuple[Comparison, ...]:
     """Steps of the bare drives beside their simulations; see `compare`."""
-    angles = jax.vmap(lambda u, r: motor_angles(apply(robot, free, u).drive, r))(
-        unknowns, records
-    )
+    angles = np.asarray(_motor_predictions(robot, free, unknowns, records))
     nothing = (np.zeros(0), np.zeros((0, 5)), np.zeros((0, 5)))
     return tuple(
         _comparison(
             run,
             run.name in held_out,
-            simulated_angle=np.asarray(angles[number])[: run.drive.time.size],
+            simulated_angle=angles[number][: run.drive.time.size],
             camera=nothing,
             path=np.zeros((0, 5)),
             sensors=sensors,

@@ -248,7 +248,8 @@ def _judged(problem: Problem, minimum: Minimum) -> dict[str, object]:
         # The logarithm's standard error is relative.
         sigma = found.sigma[index] * (number if quantity(name).positive else 1.0)
         at_bound = bool(point[index] <= lower[index])
-        half = half_width(sigma, 0.95, found.degrees_of_freedom)
+        freedom = float(found.degrees_of_freedom[index])
+        half = half_width(sigma, 0.95, freedom)
         parameters.append(
             ParameterEstimate(
                 name=name,
@@ -258,7 +259,7 @@ def _judged(problem: Problem, minimum: Minimum) -> dict[str, object]:
                 sigma=float(sigma),
                 interval95=(number - half, number + half),
                 status=judge(number, sigma, at_bound=at_bound),
-                degrees_of_freedom=found.degrees_of_freedom,
+                degrees_of_freedom=freedom,
             )
         )
     robot = replace(problem.prior, {p.name: p.value for p in reversed(parameters)})

@@ -115,11 +115,9 @@ def _search(
     best, done, ended = (yield point), 1, "unfinished"
     while done < iterations:
         step, promised = _step(best, point, lower, damping)
-        if promised <= max(decrement, 1e-6 * abs(best.cost)) and damping <= 1e-2:
-            ended = "converged"
-            break
-        if damping > 1e8:
-            ended = "stalled"
+        if promised <= max(decrement, 1e-6 * abs(best.cost)):
+            # A long step that promises nothing is the end; a damped one stands at a kink.
+            ended = "converged" if damping <= 1e-2 else "stalled"
             break
         candidate = np.maximum(point + step, lower)
         tried, done = (yield candidate), done + 1

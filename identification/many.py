@@ -82,7 +82,6 @@ class _Lane(NamedTuple):
 
     point: Float[Array, "4"]
     cost: Float[Array, ""]
-    damping: Float[Array, ""]
     promised: Float[Array, ""]
     information: Float[Array, "4 4"]
 
@@ -120,15 +119,24 @@ def estimate_many(
     count = len(starts)
     alike = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count, *leaf.shape)), robot)
     given = (alike, np.full(count, interval), runs)
-    lanes = in_chunks(_begin, (*given, _encoded(starts)), size=LANES)
-    lanes = _Lane(*(np.array(leaf) for leaf in lanes))
+
+    def followed(points: np.ndarray, *, channels: np.ndarray, free: np.ndarray, at: np.ndarray):
+        chosen = jax.tree.map(lambda leaf: np.asarray(leaf)[at], given)
+        many = (np.tile(channels, (at.size, 1)), np.tile(free, (at.size, 1)))
+        return in_chunks(_followed, (*chosen, points[at], *many), size=LANES)
+
+    every, all_of = np.arange(count), {"channels": np.ones(6), "free": np.ones(4)}
+    # The encoders hardly tell the pretension: it stays where it is.
+    drives = followed(_encoded(starts), channels=ENCODERS, free=NOT_PRETENSION, at=every)
+    points = in_chunks(_scanned, (*given, drives.point), size=LANES)
+    lanes = _Lane(*map(np.array, followed(points, **all_of, at=every)))
     steps = np.full(count, STEPS)
     for _ in range(1, rounds):
         left = np.flatnonzero(np.isfinite(lanes.cost) & (lanes.promised > CONVERGED))
         if left.size == 0:
             break
-        chosen = jax.tree.map(lambda leaf, left=left: np.asarray(leaf)[left], (*given, lanes))
-        for whole, part in zip(lanes, in_chunks(_go_on, chosen, size=LANES), strict=True):
+        further = followed(lanes.point, **all_of, at=left)
+        for whole, part in zip(lanes, further, strict=True):
             whole[left] = part
         steps[left] += STEPS
     return _judged(lanes, np.sum(np.asarray(runs.weight) > 0, axis=(1, 2)), steps)
@@ -144,46 +152,32 @@ def _encoded(values: Float[np.ndarray, "runs 4"]) -> Float[np.ndarray, "runs 4"]
     return np.log(np.stack([force, values[:, 1], values[:, 2], values[:, 3]], axis=1))
 
 
-ENCODERS = jnp.arange(6) < 2
+ENCODERS = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 """Which channels are the encoders'."""
 
+NOT_PRETENSION = np.array([1.0, 1.0, 1.0, 0.0])
+"""Which unknowns the encoders tell."""
 
-def _begin(given: tuple[Robot, Array, ShortRuns, Array]) -> _Lane:
-    """A fit's first two stages and the first round of its last one."""
+
+def _scanned(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
+    """The point with the pretension about it that fits best."""
     robot, interval, run, start = given
-    weight = jnp.where(ENCODERS, run.weight, 0.0)
-    encoders = eqx.tree_at(lambda r: r.weight, run, weight)
-    # The encoders hardly tell the pretension: it stays where it is.
-    lane = _steps(robot, interval, encoders, start, free=jnp.arange(4) < 3, count=STEPS)
 
     def misfit(factor: Float[Array, ""]) -> Float[Array, ""]:
-        point = lane.point.at[3].add(jnp.log(factor))
+        point = start.at[3].add(jnp.log(factor))
         found = jnp.sum(jnp.square(_residuals(robot, interval, point, run)))
         return jnp.where(jnp.isfinite(found), found, jnp.inf)
 
     tried = jnp.asarray(PRETENSIONS, dtype=start.dtype)
     # One after the other: the lanes fill the processor as it is.
     best = tried[jnp.argmin(jax.lax.map(misfit, tried))]
-    begun = lane.point.at[3].add(jnp.log(best))
-    return _steps(robot, interval, run, begun, free=jnp.arange(4) < 4, count=STEPS)
+    return start.at[3].add(jnp.log(best))
 
 
-def _go_on(given: tuple[Robot, Array, ShortRuns, _Lane]) -> _Lane:
-    """Another round of a fit's last stage."""
-    robot, interval, run, lane = given
-    return _steps(robot, interval, run, lane.point, free=jnp.arange(4) < 4, count=STEPS)
-
-
-def _steps(
-    robot: Robot,
-    interval: Float[Array, ""],
-    run: ShortRuns,
-    start: Float[Array, "4"],
-    *,
-    free: Array,
-    count: int,
-) -> _Lane:
-    """Some steps by Levenberg and Marquardt over the free unknowns."""
+def _followed(given: tuple[Robot, Array, ShortRuns, Array, Array, Array]) -> _Lane:
+    """`STEPS` steps by Levenberg and Marquardt on some channels, over the free unknowns."""
+    robot, interval, run, start, channels, free = given
+    run = eqx.tree_at(lambda r: r.weight, run, run.weight * channels)
 
     def normal(point: Float[Array, "4"]) -> tuple[Array, Array, Array]:
         def both(x: Float[Array, "4"]) -> tuple[Array, Array]:
@@ -191,7 +185,7 @@ def _steps(
             return found, found
 
         jacobian, found = jax.jacfwd(both, has_aux=True)(point)
-        jacobian = jnp.where(free, jacobian, 0.0).reshape(-1, 4)
+        jacobian = (free * jacobian).reshape(-1, 4)
         cost = jnp.sum(jnp.square(found))
         good = jnp.isfinite(cost) & jnp.all(jnp.isfinite(jacobian))
         cost = jnp.where(good, cost, jnp.inf)
@@ -211,10 +205,14 @@ def _steps(
         damping = jnp.where(better, damping / 10, damping * 10)
         return (kept[0], damping, kept[1]), None
 
-    begun = (start, jnp.asarray(1e-3, dtype=start.dtype), normal(start))
-    (point, damping, (cost, gradient, matrix)), _ = jax.lax.scan(step, begun, length=count)
-    promised = gradient @ _damped(gradient, matrix, jnp.zeros_like(damping))
-    return _Lane(point, cost, damping, promised, matrix)
+    # Of the start, so that it belongs to the start's device as the rest of the lane does.
+    nothing = 0 * start
+    # The first step goes nowhere and finds out where it stands.
+    unknown = (nothing[0] + jnp.inf, nothing, jnp.outer(nothing, nothing))
+    begun = (start, nothing[0] + 1e-2, unknown)
+    (point, _, (cost, gradient, matrix)), _ = jax.lax.scan(step, begun, length=STEPS + 1)
+    promised = gradient @ _damped(gradient, matrix, nothing[0])
+    return _Lane(point, cost, promised, matrix)
 
 
 LARGEST = 1.0

@@ -79,6 +79,9 @@ def starts(problem: Problem, progress: Callable[[str, float], None]) -> Start:
         The points, with the valleys that they come from.
     """
     base = _drives_alone(problem, problem.at_rest())
+    for row, run in enumerate(problem.cabled):
+        if problem.runs[run].knock is not None:
+            base[problem.own(run)[3]] = _seen_knock(problem, row)
     shared = problem.unknowns.shared
     labels = sorted({label for name, label in shared if name == PER_SETTING})
     scanned = problem.records is not None and bool(labels)
@@ -187,29 +190,27 @@ def _scanned(
 def _at(
     problem: Problem, base: np.ndarray, label: str, pretension: float, force: float
 ) -> np.ndarray:
-    """The base with a pretension and a friction force, knocked as the camera saw it."""
+    """The base with a pretension and a friction force."""
     point = base.copy()
     point[_where(problem, PER_SETTING, label)] = encode(PER_SETTING, pretension)
     if (FRICTION, None) in problem.unknowns.shared:
         point[_where(problem, FRICTION, None)] = encode(FRICTION, force / (4 * pretension))
-    for row, run in enumerate(problem.cabled):
-        if problem.runs[run].knock is not None:
-            point[problem.own(run)[3]] = _seen_knock(problem, row)
     return point
 
 
 def _seen_knock(problem: Problem, row: int) -> float:
     r"""Force of a knock by the first frame after it, $F = m_e \Delta x / (\Delta t\, t_F)$."""
     run, record = problem.runs[problem.cabled[row]], problem.records
-    weight, stamps = np.asarray(record.frame_weight[row, :, 0]), record.frame_time[row]
+    weight = np.asarray(record.frame_weight)[row, :, 0]
+    stamps = np.asarray(record.frame_time)[row]
     ended = run.knock.start + run.knock.duration - run.drive.time[0]
-    after = np.flatnonzero((weight > 0) & (np.asarray(stamps) > ended))
+    after = np.flatnonzero((weight > 0) & (stamps > ended))
     if after.size == 0:
         return KNOCKS[-1] / 4
-    lower, upper, height, _ = np.asarray(record.known[row])
+    lower, upper, height, _ = np.asarray(record.known)[row]
     robot = problem.prior
     at_rest = lower - (lower - upper) / float(value(robot, "frame_height")) * height
-    moved = float(record.frame[row, after[0], 0]) - at_rest
+    moved = float(np.asarray(record.frame)[row, after[0], 0]) - at_rest
     time = float(stamps[after[0]]) - ended + run.knock.duration / 2
     return float(value(robot, "end_effector_mass")) * moved / (time * run.knock.duration)
 

@@ -24,7 +24,8 @@ def coverage(make_noise, draws=200):
         )
         matrix, scores, estimate = regression(make_noise(random), design)
         found = covariance(matrix, scores, np.array([True, True]))
-        half = np.array([half_width(s, 0.95, found.degrees_of_freedom) for s in found.sigma])
+        both = zip(found.sigma, found.degrees_of_freedom, strict=True)
+        half = np.array([half_width(s, 0.95, freedom) for s, freedom in both])
         inside += np.count_nonzero(np.abs(estimate) <= half)
     return inside / (2 * draws)
 
