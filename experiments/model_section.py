@@ -1,10 +1,14 @@
 """What the logs can tell of which quantity, and which model explains them, as tables."""
 
+import math
+from collections.abc import Sequence
+
 from experiments.number_text import plain
 from experiments.tuning_section import Table
 from identification.estimate import Estimate
 from identification.identifiability import SENSORS, Identifiability
 from identification.models import Model
+from identification.profile import Profile
 
 
 def model_tables(estimate: Estimate) -> tuple[Table, ...]:
@@ -126,3 +130,24 @@ def told_combinations(found: Identifiability) -> tuple[str, ...]:
         )
         for one in untold
     )
+
+
+def profile_table(profiles: Sequence[Profile]) -> Table:
+    """How the misfit rises along each quantity.
+
+    Args:
+        profiles: The profiles.
+
+    Returns:
+        A row for each quantity: where the misfit passes the threshold on both sides.
+    """
+    rows = tuple(
+        (
+            one.name,
+            one.setting or "",
+            one.label,
+            *("none" if math.isinf(end) else plain(end, 6) for end in one.ends),
+        )
+        for one in profiles
+    )
+    return Table("Profile likelihood", ("quantity", "setting", "is", "from", "to"), rows)

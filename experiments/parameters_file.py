@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import pathlib
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import pydantic
@@ -11,7 +12,9 @@ import pydantic
 from identification.axis_law import AxisLaws
 from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
+from identification.profile import Profile
 from identification.unknowns import PER_SETTING
+from identification.validation import validate
 from scdpr_jax.files import write_whole
 from scdpr_jax.parameters import QUANTITIES, REFINEMENTS, Robot, exact, replace
 from scdpr_jax.prototype import consistent
@@ -27,12 +30,15 @@ AXIS_UNITS = {
 """SI units of a linear axis's parameters."""
 
 
-def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
+def write_parameters(
+    path: pathlib.Path, estimate: Estimate, profiles: Sequence[Profile] = ()
+) -> None:
     """Write an estimate as `parameters.json`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         estimate: The estimate.
+        profiles: Its profiles, where they were traced.
     """
     fit = estimate.fit
     document = {
@@ -82,9 +88,25 @@ def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
                 "chi_square": channel.chi_square,
                 "is_noise": channel.is_noise,
                 "worst_at_s": channel.worst_time,
+                "fit": _finite(left.fit),
+                "whiteness_p": _finite(left.whiteness),
+                "independence_p": _finite(left.independence),
+                "verdict": left.verdict,
             }
             for run in estimate.comparisons
-            for channel in run.channels
+            for channel, left in zip(run.channels, validate(run), strict=True)
+        ],
+        "profiles": [
+            {
+                "name": one.name,
+                "setting": one.setting,
+                "label": one.label,
+                "interval95": [_finite(end) for end in one.ends],
+                "values": one.values.tolist(),
+                "misfit_rise": one.rise.tolist(),
+                "threshold": one.threshold,
+            }
+            for one in profiles
         ],
         "models": [
             dataclasses.asdict(model) | {"chosen": number == estimate.choice}

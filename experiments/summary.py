@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from experiments.drive_report import axis_rows, axis_sentences, law_sentences
-from experiments.model_section import model_tables
+from experiments.model_section import model_tables, profile_table
 from experiments.number_text import rounded
 from experiments.parameter_table import Row, inside, parameter_row
 from experiments.tuning_section import Table as PlainTable
@@ -18,6 +18,7 @@ from identification.campaign.types import Campaign
 from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
+from identification.profile import Profile
 from tuning.types import Tuning
 
 _STYLES = {
@@ -52,6 +53,7 @@ def show(
     frequencies: FrequencyMap | None = None,
     truth: Mapping[str, float] | None = None,
     tuning: Tuning | None = None,
+    profiles: Sequence[Profile] = (),
 ) -> None:
     """Print what a campaign says about a robot.
 
@@ -62,11 +64,14 @@ def show(
         frequencies: Natural frequencies, None without.
         truth: True values by name [SI], printed beside the estimates.
         tuning: Gains and shapers, None without.
+        profiles: Profiles of the estimated quantities, where they were traced.
     """
     rows = [
         parameter_row(parameter, truth=dict(truth or {})) for parameter in estimated(estimate)
     ]
     console.print(_parameters(rows, with_truth=bool(truth)))
+    if profiles:
+        console.print(_table(profile_table(profiles)))
     for table in model_tables(estimate):
         console.print(_table(table))
     said = words(campaign, estimate, frequencies=frequencies, tuned=tuning is not None)

@@ -14,6 +14,7 @@ from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
 from identification.uncertainty import ParameterEstimate, half_width
 from identification.unknowns import PER_SETTING
+from identification.validation import LEVEL, validate
 from scdpr_jax.parameters import value
 
 FRICTION = "friction_coefficient"
@@ -217,7 +218,7 @@ def words(
         )
     if frequencies is not None:
         found.append(_frequencies(frequencies))
-    sure = [_noise(estimate), *verdict_on_models(estimate)]
+    sure = [_noise(estimate), _validated(estimate), *verdict_on_models(estimate)]
     sure += _untold(estimate)
     sure += [_held_out(one) for one in predictions(estimate)]
     sure += _ending(estimate)
@@ -225,6 +226,19 @@ def words(
         sure += _clocks(campaign, estimate)
         sure += _skipped(campaign)
     return Words(tuple(found), tuple(sure), tuple(_next(estimate, frequencies, tuned)))
+
+
+def _validated(estimate: Estimate) -> str:
+    """What whiteness and independence say of the fitted and of the held-out runs."""
+    found = [one for run in estimate.comparisons for one in validate(run)]
+    tested = [one for one in found if not math.isnan(one.whiteness)]
+    follows = sum(one.independence < LEVEL for one in tested)
+    hangs = sum(one.verdict != "noise" for one in tested) - follows
+    return (
+        f"Of {len(tested)} channels that are long enough to test, "
+        f"{len(tested) - follows - hangs} leave white residuals that know nothing of the "
+        f"voltages, {follows} follow the voltages, and {hangs} more hang together in time."
+    )
 
 
 def _untold(estimate: Estimate) -> list[str]:

@@ -15,6 +15,7 @@ def identify(
     skip_bad_runs: bool = False,
     free: tuple[str, ...] = (),
     hold_out: tuple[str, ...] = (),
+    profile: bool = False,
 ) -> int:
     """Estimate the robot's parameters from all runs of a campaign.
 
@@ -26,12 +27,15 @@ def identify(
             the effective pretension of each setting, and where these leave more than noise
             those of the model that explains the rest best.
         hold_out: Runs to predict instead of fitting them.
+        profile: Trace the misfit along every quantity, too: whether it is bounded on both
+            sides, on one, or on none. Takes as long again.
     """
     set_up()
     from experiments import summary
     from experiments.parameters_file import write_parameters
     from identification.campaign import read_campaign
     from identification.estimate import estimate
+    from identification.profile import profiles
     from identification.selection import select
 
     require_outside(out, campaign)
@@ -41,8 +45,9 @@ def identify(
             found = estimate(read, free=free, hold_out=hold_out, progress=progress)
         else:
             found = select(read, hold_out=hold_out, progress=progress)
-    write_parameters(out / "parameters.json", found)
-    summary.show(OUT, found, campaign=read)
+        traced = profiles(read, found) if profile else ()
+    write_parameters(out / "parameters.json", found, traced)
+    summary.show(OUT, found, campaign=read, profiles=traced)
     wrote(out / "parameters.json")
     suggest(f"scdpr frequencies {campaign} --out {out}")
     return DONE

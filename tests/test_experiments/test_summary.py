@@ -110,7 +110,7 @@ def test_the_report_of_an_axis_needs_nothing_else_and_has_its_numbers(tmp_path):
 
 
 def test_an_extended_law_is_offered_where_held_out_data_prefer_it_alone():
-    log, found = axis()
+    _, found = axis()
     enough = printed(summary.show_axis, found, laws(found, ahead=6.9e-3))
     better = printed(summary.show_axis, found, laws(found, ahead=5.9e-3))
     assert "the usual law is enough" in enough
