@@ -177,7 +177,7 @@ def solve(
         # What the coarser grid errs by hardly depends on the point: twice is enough.
         progress("all runs at the logs' own rate", 0.6 + 0.15 * number)
         problem = problem.corrected(point)
-        minimum = problem.minimise(point, iterations=12, decrement=1e-2)
+        minimum = problem.minimise(point, iterations=20, decrement=1e-2)
         point, done = minimum.point, done + minimum.iterations
     if problem.held_out:
         progress("runs held out", 0.9)
