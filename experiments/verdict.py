@@ -143,6 +143,8 @@ def friction_forces(estimate: Estimate) -> tuple[FrictionForce, ...]:
     for index, parameter in enumerate(free):
         if parameter.name != PER_SETTING or mu.value == 0:
             continue
+        if not math.isfinite(parameter.sigma + mu.sigma):
+            continue
         force = 4 * parameter.value * mu.value
         shares = (parameter.sigma / parameter.value, mu.sigma / mu.value)
         together = 2 * float(estimate.correlation[index, mu_at]) * shares[0] * shares[1]
@@ -231,13 +233,15 @@ def words(
 def _validated(estimate: Estimate) -> str:
     """What whiteness and independence say of the fitted and of the held-out runs."""
     found = [one for run in estimate.comparisons for one in validate(run)]
-    tested = [one for one in found if not math.isnan(one.whiteness)]
-    follows = sum(one.independence < LEVEL for one in tested)
-    hangs = sum(one.verdict != "noise" for one in tested) - follows
+    tested = [one for one in found if one.is_rounding or not math.isnan(one.whiteness)]
+    worse = [one for one in tested if one.verdict != "noise"]
+    follows = sum(one.independence < LEVEL for one in worse)
+    hangs = len(worse) - follows
     return (
         f"Of {len(tested)} channels that are long enough to test, "
         f"{len(tested) - follows - hangs} leave white residuals that know nothing of the "
-        f"voltages, {follows} follow the voltages, and {hangs} more hang together in time."
+        f"voltages, or an encoder's rounding; {follows} follow the voltages, and {hangs} more "
+        "hang together in time."
     )
 
 

@@ -120,25 +120,29 @@ def estimate_many(
     alike = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count, *leaf.shape)), robot)
     given = (alike, np.full(count, interval), runs)
 
-    def followed(points: np.ndarray, *, channels: np.ndarray, free: np.ndarray, at: np.ndarray):
-        chosen = jax.tree.map(lambda leaf: np.asarray(leaf)[at], given)
-        many = (np.tile(channels, (at.size, 1)), np.tile(free, (at.size, 1)))
-        return in_chunks(_followed, (*chosen, points[at], *many), size=LANES)
+    def followed(
+        points: np.ndarray, *, channels: np.ndarray, free: np.ndarray, enough: float
+    ) -> tuple[_Lane, np.ndarray]:
+        """Lanes that are followed until they promise less than a share of their misfit."""
+        steps, left, lanes = np.zeros(count, dtype=int), np.arange(count), None
+        while left.size and steps.max() < rounds * STEPS:
+            chosen = jax.tree.map(lambda leaf, left=left: np.asarray(leaf)[left], given)
+            alike = (np.tile(channels, (left.size, 1)), np.tile(free, (left.size, 1)))
+            at = points if lanes is None else lanes.point
+            found = in_chunks(_followed, (*chosen, at[left], *alike), size=LANES)
+            if lanes is None:
+                lanes = _Lane(*map(np.array, found))
+            for whole, part in zip(lanes, found, strict=True):
+                whole[left] = part
+            steps[left] += STEPS
+            still = lanes.promised <= np.maximum(CONVERGED, enough * lanes.cost)
+            left = np.flatnonzero(np.isfinite(lanes.cost) & ~still)
+        return lanes, steps
 
-    every, all_of = np.arange(count), {"channels": np.ones(6), "free": np.ones(4)}
     # The encoders hardly tell the pretension: it stays where it is.
-    drives = followed(_encoded(starts), channels=ENCODERS, free=NOT_PRETENSION, at=every)
+    drives, _ = followed(_encoded(starts), channels=ENCODERS, free=NOT_PRETENSION, enough=0.1)
     points = in_chunks(_scanned, (*given, drives.point), size=LANES)
-    lanes = _Lane(*map(np.array, followed(points, **all_of, at=every)))
-    steps = np.full(count, STEPS)
-    for _ in range(1, rounds):
-        left = np.flatnonzero(np.isfinite(lanes.cost) & (lanes.promised > CONVERGED))
-        if left.size == 0:
-            break
-        further = followed(lanes.point, **all_of, at=left)
-        for whole, part in zip(lanes, further, strict=True):
-            whole[left] = part
-        steps[left] += STEPS
+    lanes, steps = followed(points, channels=np.ones(6), free=np.ones(4), enough=0.0)
     return _judged(lanes, np.sum(np.asarray(runs.weight) > 0, axis=(1, 2)), steps)
 
 
@@ -269,7 +273,7 @@ def _unfinished(lanes: _Lane, row: int, chi_square: float) -> str:
 def _residuals(
     robot: Robot, interval: Float[Array, ""], point: Float[Array, "4"], run: ShortRuns
 ) -> Float[Array, "rows 6"]:
-    """Measured minus simulated over the noise; the encoders' zero is the start's."""
+    """Measured minus simulated over the noise, the encoders' zero taken out."""
     force, inertia, damping, pretension = jnp.exp(point)
     fitted = replace(
         robot,
@@ -294,4 +298,9 @@ def _residuals(
     simulated = jnp.stack(
         [(along + across) / radius, (along - across) / radius, x, tilt, lower, upper], axis=1
     )
-    return run.weight * (run.measured - simulated)
+    difference = run.measured - simulated
+    # The encoders' zero is arbitrary; the camera's isn't.
+    square = jnp.square(run.weight)
+    total = jnp.sum(square, axis=0)
+    zero = jnp.sum(square * difference, axis=0) / jnp.where(total > 0, total, 1.0)
+    return run.weight * (difference - ENCODERS * zero)

@@ -34,10 +34,14 @@ class ChannelValidation:
     """Probability of such residuals if they were white; NaN where there are too few [1]."""
     independence: float
     """The same for residuals that know nothing of the voltages [1]."""
+    is_rounding: bool
+    """Whether an encoder's residuals stay within a count: rounding isn't white, but noise."""
 
     @property
     def verdict(self) -> str:
         """In words what the residuals look like."""
+        if self.is_rounding:
+            return "noise"
         if np.isnan(self.whiteness):
             return "too few samples to tell"
         if self.whiteness >= LEVEL and self.independence >= LEVEL:
@@ -67,6 +71,7 @@ def validate(comparison: Comparison) -> tuple[ChannelValidation, ...]:
     found = []
     for number, name in enumerate(ENCODERS):
         measured = comparison.measured_angle[:, number]
+        counts = np.diff(np.unique(measured))
         changes = np.flatnonzero(np.append(True, np.diff(measured) != 0))
         middle = (changes + np.append(changes[1:], measured.size) - 1) // 2
         found.append(
@@ -76,6 +81,7 @@ def validate(comparison: Comparison) -> tuple[ChannelValidation, ...]:
                 comparison.time[middle],
                 measured[middle],
                 comparison.simulated_angle[middle, number],
+                count=float(counts.min()) if counts.size else 0.0,
             )
         )
     for number, name in enumerate(CAMERA):
@@ -99,6 +105,8 @@ def _channel(
     time: Float[np.ndarray, " n"],
     measured: Float[np.ndarray, " n"],
     simulated: Float[np.ndarray, " n"],
+    *,
+    count: float = 0.0,
 ) -> ChannelValidation:
     residual = measured - simulated
     spread = float(np.linalg.norm(measured - np.mean(measured)))
@@ -111,7 +119,13 @@ def _channel(
         white = ljung_box(residual)
         independent = min(independence(residual, moved) for moved in inputs)
     return ChannelValidation(
-        comparison.name, name, comparison.held_out, fit, white, independent
+        comparison.name,
+        name,
+        comparison.held_out,
+        fit,
+        white,
+        independent,
+        bool(np.max(np.abs(residual)) <= count),
     )
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from identification.validation import LEVEL, independence, ljung_box
+from identification.validation import LEVEL, ChannelValidation, independence, ljung_box
 
 COUNT = 400
 
@@ -46,3 +46,8 @@ def test_residuals_that_follow_the_voltage_do_not(lag):
 
 def test_a_voltage_that_stands_tells_nothing():
     assert independence(np.random.default_rng(0).normal(size=COUNT), np.zeros(COUNT)) == 1.0
+
+
+def test_an_encoders_rounding_is_noise_though_it_is_not_white():
+    verdict = ChannelValidation("0001", "alpha_1", False, 1.0, 1e-9, 1e-9, True).verdict
+    assert verdict == "noise"
