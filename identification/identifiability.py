@@ -105,7 +105,10 @@ class Identifiability:
         shared = [one for one in self.untold() if abs(one.powers[index]) >= TOLD_PART]
         if shared:
             return f"The logs can't tell {shared[-1].text()}."
-        return f"1 % of the {told} moves {where} the most, by {moved[strongest]:.2g} σ."
+        return (
+            f"By the noise alone the {told} would be known to "
+            f"{100 * self.together[index]:.2g} %: what leaves it open is the model's own error."
+        )
 
 
 def identifiability(problem: Problem, point: Float[np.ndarray, " n"]) -> Identifiability:

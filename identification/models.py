@@ -14,8 +14,10 @@ class Refinement:
 
 
 REFINEMENTS: tuple[Refinement, ...] = (
-    Refinement("dry friction in the drives", ("drive_friction",)),
-    Refinement("drives with dry friction of their own each", ("drive_friction_difference",)),
+    Refinement(
+        "dry friction in the drives, of each its own",
+        ("drive_friction", "drive_friction_difference"),
+    ),
     Refinement("a tension that rises as the loop's path gets longer", ("loop_stiffness",)),
     Refinement(
         "the true places at which the cables are attached to the end-effector",

@@ -17,7 +17,7 @@ from identification.unknowns import DEFAULT_FREE, FOLLOWS, layout
 from scdpr_jax.parameters import exact, replace
 from scdpr_jax.prototype import consistent
 
-ITERATIONS = 10
+ITERATIONS = 30
 """Most evaluations of a model; the next one goes on from there, and the chosen one, too."""
 
 Progress = Callable[[str, float], None]
