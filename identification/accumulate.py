@@ -52,12 +52,12 @@ class RunSums(NamedTuple):
     """The residuals themselves."""
 
     @property
-    def total(self) -> Float[Array, "..."]:
+    def total(self) -> Float[Array | np.ndarray, "..."]:
         """The misfit of everything."""
         return self.cost.sum(axis=-1) + self.known_cost
 
     @property
-    def matrix(self) -> Float[Array, "... n n"]:
+    def matrix(self) -> Float[Array | np.ndarray, "... n n"]:
         """The Gauss-Newton matrix."""
         return (self.weight[..., None, None] * self.information).sum(axis=-3) + self.known
 

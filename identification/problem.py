@@ -371,7 +371,7 @@ class Problem:
 
 
 def _over(
-    residual: Float[np.ndarray, "..."], weight: Float[jax.Array, "..."]
+    residual: Float[np.ndarray, "..."], weight: Float[jax.Array | np.ndarray, "..."]
 ) -> Float[np.ndarray, "..."]:
     """Residuals in the measurement's own unit; 0 where nothing was measured."""
     weight = np.asarray(weight)

@@ -217,7 +217,7 @@ def coarse(records: Record, factor: int) -> Record:
     count = -(-inputs.duration.shape[-1] // factor)
     missing = count * factor - inputs.duration.shape[-1]
 
-    def grouped(array: Float[np.ndarray, "runs intervals *rest"]) -> Float[np.ndarray, "..."]:
+    def grouped(array: Float[Array, "runs intervals *rest"]) -> Float[np.ndarray, "..."]:
         array = np.asarray(array)
         padded = np.pad(array, [(0, 0), (0, missing)] + [(0, 0)] * (array.ndim - 2))
         return padded.reshape(array.shape[0], count, factor, *array.shape[2:])
@@ -244,7 +244,7 @@ def coarse(records: Record, factor: int) -> Record:
 
 
 def windowed(
-    samples: Float[np.ndarray, "runs rows 2"], factor: int
+    samples: Float[Array | np.ndarray, "runs rows 2"], factor: int
 ) -> Float[np.ndarray, "runs instants 2"]:
     """Sums over the samples about each instant of a coarser grid.
 

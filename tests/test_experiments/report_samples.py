@@ -221,7 +221,7 @@ def estimate(*, off=0.0, held_out=True, parameters=None, models=()):
             iterations=7,
             ended="converged",
             misfit=0.0,
-            measurements=4321,
+            measurements=4321.0,
         ),
         identifiability=identifiability(parameters),
         models=models,

@@ -57,9 +57,13 @@ def test_a_lane_that_failed_is_a_row_with_its_reason(spoilt, reason):
 
 
 def test_a_start_that_is_not_positive_is_refused():
-    nothing = ShortRuns(*(np.zeros((1, 2)) for _ in range(5)))
+    measured = np.zeros((1, 3, 6))
+    runs = ShortRuns(
+        np.zeros((1, 3)), np.zeros((1, 2, 2)), np.zeros((1, 2)), measured, measured
+    )
+    start = np.array([[1.0, 1.0, -1.0, 1.0]])
     with pytest.raises(ValueError, match="`starts` must be positive, got -1"):
-        estimate_many(consistent(), nothing, [[1.0, 1.0, -1.0, 1.0]], interval=INTERVAL)
+        estimate_many(consistent(), runs, start, interval=INTERVAL)
 
 
 def drawn(count):
