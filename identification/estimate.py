@@ -17,7 +17,13 @@ from identification.models import Model
 from identification.problem import Problem
 from identification.residuals import Circumstances
 from identification.starts import Valley, starts
-from identification.uncertainty import ParameterEstimate, covariance, half_width, judge
+from identification.uncertainty import (
+    ParameterEstimate,
+    covariance,
+    half_width,
+    is_untold,
+    judge,
+)
 from identification.unknowns import DEFAULT_FREE, FOLLOWS, PER_SETTING, Unknowns, decode, encode
 from scdpr_jax.parameters import QUANTITIES, Robot, exact, quantity, replace, value
 from scdpr_jax.prototype import consistent
@@ -241,23 +247,27 @@ def _judged(problem: Problem, minimum: Minimum) -> dict[str, object]:
     parameters = []
     for index in np.flatnonzero(unknowns.opened):
         name, setting = unknowns.shared[index]
-        number = decode(name, point[index])
-        if not seen[index] and point[index] > lower[index]:
-            # What no run shows is what it was taken to be, not where a search left it.
-            number = float(value(problem.prior, name))
-        # The logarithm's standard error is relative.
-        sigma = found.sigma[index] * (number if quantity(name).positive else 1.0)
-        at_bound = bool(point[index] <= lower[index])
+        known, sigma = quantity(name), float(found.sigma[index])
         freedom = float(found.degrees_of_freedom[index])
+        number = decode(name, point[index])
+        at_bound = bool(point[index] <= lower[index])
+        if is_untold(name, number, sigma) and not at_bound:
+            # What no run shows is what it was taken to be, not where a search left it.
+            number, sigma = float(value(problem.prior, name)), np.inf
+        # The logarithm's standard error is relative.
+        sigma *= number if known.positive else 1.0
         half = half_width(sigma, 0.95, freedom)
+        low = (
+            number - half if known.signed or not np.isfinite(half) else max(number - half, 0.0)
+        )
         parameters.append(
             ParameterEstimate(
                 name=name,
                 setting=setting,
                 value=number,
-                unit=quantity(name).unit,
-                sigma=float(sigma),
-                interval95=(number - half, number + half),
+                unit=known.unit,
+                sigma=sigma,
+                interval95=(low, number + half),
                 status=judge(number, sigma, at_bound=at_bound),
                 degrees_of_freedom=freedom,
             )

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 from scipy import stats
 
 from scdpr_jax.fields import si
+from scdpr_jax.parameters import quantity
 
 STRETCHES = (1, 4, 40)
 """Neighbouring blocks of a run's score that are summed: a block, a tenth, all of it."""
@@ -17,6 +18,10 @@ LEVEL = 0.05
 
 WEAK = 0.1
 """Relative standard error from which a value is called weakly identified [1]."""
+
+UNTOLD = 10.0
+"""Relative standard error from which a value that may be zero has no interval [1]: so wide an
+interval says nothing of the robot, only of how the model was extrapolated."""
 
 UNSEEN = 1.0
 """Relative standard error from which a value is called unidentifiable [1]."""
@@ -146,6 +151,23 @@ def _width(
 ) -> Float[np.ndarray, " n"]:
     """Half widths of 95 % intervals."""
     return np.sqrt(variance) * stats.t.ppf(0.975, freedom)
+
+
+def is_untold(name: str, number: float, sigma: float) -> bool:
+    """Whether the data say so little of a quantity that no interval is given.
+
+    Args:
+        name: Name of the quantity.
+        number: Its value [SI].
+        sigma: Its standard error as a fit holds it: relative for what must be positive,
+            which from `UNSEEN` on isn't known within a factor of three either way.
+
+    Returns:
+        Whether it is so.
+    """
+    if quantity(name).positive:
+        return sigma >= UNSEEN
+    return not np.isfinite(sigma) or sigma >= UNTOLD * abs(number) > 0
 
 
 def judge(value: float, sigma: float, *, at_bound: bool) -> str:
