@@ -9,22 +9,36 @@ from experiments.figures.correlation import correlation
 from experiments.number_text import percent, plain, readable_unit, rounded
 from experiments.page import Pictures, page, versions
 from experiments.parameter_table import Row
+from identification.axis_law import AxisLaws
 from identification.axis_log import AxisLog
-from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
+from identification.drive_axis import DriveAxisEstimate
 from scdpr_jax.files import write_whole
 
-_LINEAR = {"mass": "kg", "viscous": "N s/m", "coulomb": "N", "offset": "N"}
-_ROTARY = {"mass": "kg m^2", "viscous": "N m s", "coulomb": "N m", "offset": "N m"}
+_LINEAR = {
+    "mass": "kg",
+    "viscous": "N s/m",
+    "coulomb": "N",
+    "offset": "N",
+    "viscous_difference": "N s/m",
+}
+_ROTARY = {
+    "mass": "kg m^2",
+    "viscous": "N m s",
+    "coulomb": "N m",
+    "offset": "N m",
+    "viscous_difference": "N m s",
+}
 _MEANING = {
     "mass": ("M", "", "moving mass, the motor's inertia with it"),
     "viscous": ("F", "v", "viscous friction"),
     "coulomb": ("F", "c", "Coulomb friction"),
     "offset": ("o", "", "constant force against the drive"),
+    "viscous_difference": ("ΔF", "v", "viscous friction forwards minus backwards"),
 }
 
 
 def write_drive_report(
-    path: pathlib.Path, *, log: AxisLog, estimate: DriveAxisEstimate
+    path: pathlib.Path, *, log: AxisLog, estimate: DriveAxisEstimate, laws: AxisLaws
 ) -> None:
     """Write the report of an axis, whole or not at all.
 
@@ -32,6 +46,7 @@ def write_drive_report(
         path: The file, replaced if it exists.
         log: The axis's log.
         estimate: What was found in it.
+        laws: The extended friction law beside the usual one.
 
     Raises:
         OSError: If the place can't be written to.
@@ -40,7 +55,10 @@ def write_drive_report(
     text = page(
         "drive.html.j2",
         title="Identification of a motor-driven axis",
-        sentences=axis_sentences(estimate, position_unit=log.position_unit),
+        sentences=[
+            *axis_sentences(estimate, position_unit=log.position_unit),
+            *law_sentences(laws, position_unit=log.position_unit),
+        ],
         rows=axis_rows(estimate, position_unit=log.position_unit),
         pictures=[
             picture(
@@ -50,7 +68,7 @@ def write_drive_report(
                 "grows, friction differs from what it is elsewhere.",
             ),
             picture(
-                correlation(list(PARAMETER_NAMES), np.asarray(estimate.correlation)),
+                correlation(list(estimate.names), np.asarray(estimate.correlation)),
                 "Correlation of the estimates.",
                 narrow=True,
             ),
@@ -72,7 +90,7 @@ def axis_rows(estimate: DriveAxisEstimate, *, position_unit: str) -> list[Row]:
     """
     units = _LINEAR if position_unit == "m" else _ROTARY
     rows = []
-    for index, name in enumerate(PARAMETER_NAMES):
+    for index, name in enumerate(estimate.names):
         number = float(getattr(estimate.parameters, name))
         half = 1.96 * float(getattr(estimate.sigma, name))
         low, high = (float(end) for end in estimate.interval95[index])
@@ -130,3 +148,32 @@ def axis_sentences(estimate: DriveAxisEstimate, *, position_unit: str) -> list[s
     if not estimate.converged:
         sentences.append("The search used up its steps before it converged: don't rely on it.")
     return sentences
+
+
+def law_sentences(laws: AxisLaws, *, position_unit: str) -> list[str]:
+    """What an extended friction law would be worth, in plain words.
+
+    Args:
+        laws: Both laws.
+        position_unit: SI unit of the log's positions, "m" or "rad".
+
+    Returns:
+        Sentences; one alone where the usual law is enough.
+    """
+    unit = "mm" if position_unit == "m" else "mrad"
+    ahead, usual = plain(1e3 * laws.extended_ahead, 3), plain(1e3 * laws.usual_ahead, 3)
+    compared = (
+        "Fitted to the first 60 % of the record alone, a law with viscous friction of its own "
+        f"in each direction predicts the rest to {ahead} {unit} rms, the usual one to {usual} "
+        f"{unit}"
+    )
+    if not laws.extended_is_preferred:
+        return [f"{compared}: the usual law is enough."]
+    rows = axis_rows(laws.extended, position_unit=position_unit)
+    told = "; ".join(f"{row.meaning} {row.value} {row.unit}" for row in rows)
+    error = plain(1e3 * float(laws.extended.open_loop_rmse), 3)
+    return [
+        f"{compared}: what was held out prefers the extended law.",
+        f"The extended law over the whole record, open loop {error} {unit} rms: {told}. It is "
+        "in parameters.json under `extended`.",
+    ]

@@ -1,11 +1,12 @@
 """The table of parameters: what was estimated, how sure, and beside the truth."""
 
+import math
 from typing import NamedTuple
 
 from experiments.coordinates import plain_symbol
 from experiments.number_text import percent, readable_unit, rounded
 from identification.uncertainty import ParameterEstimate, half_width
-from scdpr_jax.parameters import QUANTITIES
+from scdpr_jax.parameters import QUANTITIES, REFINEMENTS
 
 COVERED = 0.997
 """Level of the interval that the truth is looked for in [1]."""
@@ -54,10 +55,14 @@ def parameter_row(
     Returns:
         The line.
     """
-    known = {quantity.name: quantity for quantity in QUANTITIES}.get(parameter.name)
+    known = {quantity.name: quantity for quantity in (*QUANTITIES, *REFINEMENTS)}.get(
+        parameter.name
+    )
     low, high = parameter.interval95
     half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
     fixed = parameter.status == "fixed"
+    # What no run shows has no interval, and none is invented.
+    untold = fixed or not math.isfinite(half)
     true = None if fixed else (truth or {}).get(parameter.name)
     return Row(
         name=parameter.name,
@@ -65,9 +70,9 @@ def parameter_row(
         meaning=known.meaning if known else parameter.name.replace("_", " "),
         setting=parameter.setting or "",
         value=rounded(parameter.value, half),
-        low="" if fixed else rounded(low, half),
-        high="" if fixed else rounded(high, half),
-        relative="" if fixed or not parameter.value else percent(half / abs(parameter.value)),
+        low="" if untold else rounded(low, half),
+        high="" if untold else rounded(high, half),
+        relative="" if untold or not parameter.value else percent(half / abs(parameter.value)),
         unit="" if parameter.unit == "1" else readable_unit(parameter.unit),
         status=parameter.status.replace("_", " "),
         truth="" if true is None else rounded(true, half),

@@ -1,30 +1,44 @@
 """`parameters.json`: what a fit says about a robot, or about a single axis."""
 
+import dataclasses
 import json
 import math
 import pathlib
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import pydantic
 
-from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
+from identification.axis_law import AxisLaws
+from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
+from identification.profile import Profile
 from identification.unknowns import PER_SETTING
+from identification.validation import validate
 from scdpr_jax.files import write_whole
-from scdpr_jax.parameters import QUANTITIES, Robot, exact, replace
+from scdpr_jax.parameters import QUANTITIES, REFINEMENTS, Robot, exact, replace
 from scdpr_jax.prototype import consistent
 from tuning.json_file import read_json
 
-AXIS_UNITS = {"mass": "kg", "viscous": "N s/m", "coulomb": "N", "offset": "N"}
+AXIS_UNITS = {
+    "mass": "kg",
+    "viscous": "N s/m",
+    "coulomb": "N",
+    "offset": "N",
+    "viscous_difference": "N s/m",
+}
 """SI units of a linear axis's parameters."""
 
 
-def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
+def write_parameters(
+    path: pathlib.Path, estimate: Estimate, profiles: Sequence[Profile] = ()
+) -> None:
     """Write an estimate as `parameters.json`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         estimate: The estimate.
+        profiles: Its profiles, where they were traced.
     """
     fit = estimate.fit
     document = {
@@ -74,9 +88,29 @@ def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
                 "chi_square": channel.chi_square,
                 "is_noise": channel.is_noise,
                 "worst_at_s": channel.worst_time,
+                "fit": _finite(left.fit),
+                "whiteness_p": _finite(left.whiteness),
+                "independence_p": _finite(left.independence),
+                "verdict": left.verdict,
             }
             for run in estimate.comparisons
-            for channel in run.channels
+            for channel, left in zip(run.channels, validate(run), strict=True)
+        ],
+        "profiles": [
+            {
+                "name": one.name,
+                "setting": one.setting,
+                "label": one.label,
+                "interval95": [_finite(end) for end in one.ends],
+                "values": one.values.tolist(),
+                "misfit_rise": one.rise.tolist(),
+                "threshold": one.threshold,
+            }
+            for one in profiles
+        ],
+        "models": [
+            dataclasses.asdict(model) | {"chosen": number == estimate.choice}
+            for number, model in enumerate(estimate.models)
         ],
         "fit": {
             "ended": fit.ended,
@@ -84,20 +118,37 @@ def write_parameters(path: pathlib.Path, estimate: Estimate) -> None:
             "misfit": fit.misfit,
             "measurements": fit.measurements,
             "starts": list(fit.starts),
+            "minima": [valley._asdict() for valley in fit.valleys],
         },
     }
     write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
-def write_axis_parameters(path: pathlib.Path, estimate: DriveAxisEstimate) -> None:
+def write_axis_parameters(
+    path: pathlib.Path, estimate: DriveAxisEstimate, laws: AxisLaws
+) -> None:
     """Write a drive axis's estimate as `parameters.json`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         estimate: The estimate.
+        laws: The extended friction law beside the usual one.
     """
     document = {
         "format": 1,
+        **_axis(estimate),
+        "extended": {
+            "preferred_by_held_out_data": laws.extended_is_preferred,
+            "held_out_rmse_m": laws.extended_ahead,
+            "held_out_rmse_of_the_usual_law_m": laws.usual_ahead,
+            **_axis(laws.extended),
+        },
+    }
+    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def _axis(estimate: DriveAxisEstimate) -> dict[str, Any]:
+    return {
         "parameters": [
             {
                 "name": name,
@@ -108,10 +159,10 @@ def write_axis_parameters(path: pathlib.Path, estimate: DriveAxisEstimate) -> No
                 "interval95": [_finite(float(end)) for end in estimate.interval95[row]],
                 "status": estimate.status[row],
             }
-            for row, name in enumerate(PARAMETER_NAMES)
+            for row, name in enumerate(estimate.names)
         ],
         "correlation": {
-            "names": list(PARAMETER_NAMES),
+            "names": list(estimate.names),
             "matrix": estimate.correlation.tolist(),
         },
         "open_loop_rmse_m": float(estimate.open_loop_rmse),
@@ -123,7 +174,6 @@ def write_axis_parameters(path: pathlib.Path, estimate: DriveAxisEstimate) -> No
             "residuals_hang_together_for_s": float(estimate.memory),
         },
     }
-    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
 class _Parameter(pydantic.BaseModel):
@@ -145,7 +195,7 @@ class FittedRobot(pydantic.BaseModel):
     @property
     def robot(self) -> Robot:
         """The robot at its first pretension setting."""
-        known = {quantity.name for quantity in QUANTITIES}
+        known = {quantity.name for quantity in (*QUANTITIES, *REFINEMENTS)}
         values: dict[str, float] = {}
         for row in self.parameters:
             if row.name in known:
@@ -194,7 +244,7 @@ def read_parameters(path: pathlib.Path) -> FittedRobot:
         ValueError: If the file isn't what `scdpr identify` writes; says where.
     """
     found = read_json(path, FittedRobot, expected="a parameters.json", verb="identify")
-    units = {quantity.name: quantity.unit for quantity in QUANTITIES}
+    units = {quantity.name: quantity.unit for quantity in (*QUANTITIES, *REFINEMENTS)}
     for row in found.parameters:
         if row.name in units and row.unit != units[row.name]:
             raise ValueError(

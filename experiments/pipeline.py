@@ -13,7 +13,7 @@ from experiments.runtime import stage
 from identification.campaign import Campaign
 from identification.estimate import Estimate, estimate
 from identification.frequency_map import FrequencyMap, frequency_map, write_frequencies
-from identification.unknowns import DEFAULT_FREE
+from identification.selection import select
 from scdpr_jax.prototype import consistent
 from tuning.document import write_tuning
 from tuning.optimise import LEG_TIMES, Effort
@@ -21,14 +21,6 @@ from tuning.tune import prepare, tune
 from tuning.types import Tuning
 
 Progress = Callable[[str, float], None]
-
-
-REFINEMENT = "drive_friction"
-"""What the usual unknowns leave out of a real drive; freed where the residuals ask for it."""
-
-
-WORTH_IT = 0.99
-"""Share of the misfit that another unknown has to leave at most to be kept [1]."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -84,8 +76,8 @@ def calibrate(
 
     Args:
         campaign: The campaign.
-        free: Names of the quantities to estimate; None for the usual ones, and the
-            drives' dry friction too where the residuals are more than noise without it.
+        free: Names of the quantities to estimate; None for the usual ones, and where
+            these leave more than noise those of the model that explains the rest best.
         hold_out: Names of the runs to predict instead of fitting them; None for
             `held_out_by_default`.
         leg_times: Times of a leg that the tuning is made for [s].
@@ -103,10 +95,10 @@ def calibrate(
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
         compiled = aside.submit(prepare, consistent(), leg_times=leg_times, effort=effort)
-        found, notes = _fitted(campaign, free, names, progress)
+        found = _fitted(campaign, free, names, stage(progress, 0.02, 0.7))
         compiled.result()
     progress("ring-downs", 0.7)
-    notes += _notes(campaign, found)
+    notes = _notes(campaign, found)
     frequencies = None
     if any(run.kind == "pseudo_impulse" for run in campaign.runs):
         try:
@@ -129,35 +121,11 @@ def _fitted(
     free: Sequence[str] | None,
     hold_out: tuple[str, ...],
     progress: Progress,
-) -> tuple[Estimate, list[str]]:
+) -> Estimate:
     """The fit that was asked for, or the usual one with what it turns out to need."""
-    share = stage(progress, 0.02, 0.7)
     if free is None:
-        return _refined(campaign, hold_out, share)
-    return estimate(campaign, free=free, hold_out=hold_out, progress=share), []
-
-
-def _refined(
-    campaign: Campaign, hold_out: tuple[str, ...], progress: Progress
-) -> tuple[Estimate, list[str]]:
-    """The usual fit; where it leaves more than noise, one that knows drive friction too."""
-    usual = estimate(campaign, hold_out=hold_out, progress=stage(progress, 0.0, 0.5))
-    if all(channel.is_noise for run in usual.comparisons for channel in run.channels):
-        return usual, []
-    refined = estimate(
-        campaign,
-        free=(*DEFAULT_FREE, REFINEMENT),
-        hold_out=hold_out,
-        progress=stage(progress, 0.5, 1.0),
-    )
-    told = (
-        f"The usual four unknowns leave more than the sensors' noise (misfit "
-        f"{usual.fit.misfit:.3f} per measurement, 1 if it were noise). With the drives' dry "
-        f"friction freed it is {refined.fit.misfit:.3f}"
-    )
-    if refined.fit.misfit < WORTH_IT * usual.fit.misfit:
-        return refined, [f"{told}: that fit is the one reported."]
-    return usual, [f"{told}: no better, so the fit of the four is reported."]
+        return select(campaign, hold_out=hold_out, progress=progress)
+    return estimate(campaign, free=free, hold_out=hold_out, progress=progress)
 
 
 def write_calibration(

@@ -23,6 +23,7 @@ from experiments.figures.residuals import residuals
 from experiments.figures.ring_down import decay_of, ring_down_figure
 from experiments.figures.robot_view import robot_view, shown_instants
 from experiments.figures.run_comparison import run_comparison
+from experiments.model_section import model_tables, moved_table, told_combinations
 from experiments.number_text import percent, plain, rounded
 from experiments.page import Picture, Pictures, page, versions
 from experiments.parameter_table import parameter_row
@@ -32,6 +33,7 @@ from identification.campaign.types import Campaign
 from identification.comparison import Comparison
 from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
+from identification.starts import Valley
 from identification.uncertainty import covariance
 from scdpr_jax.files import write_whole
 from scdpr_jax.parameters import Robot, value
@@ -81,6 +83,9 @@ def write_report(
         parameter_pictures=list(_parameter_pictures(estimate, truth, picture)),
         fit_pictures=list(_fit_pictures(estimate, picture)),
         predictions=_predictions(estimate),
+        model_tables=model_tables(estimate),
+        moved=moved_table(estimate.identifiability),
+        combinations=told_combinations(estimate.identifiability),
         knocks=[] if frequencies is None else _knocks(frequencies),
         map_pictures=(
             []
@@ -328,6 +333,19 @@ def _run(campaign: Campaign, comparison: Comparison, picture: Pictures) -> dict[
     }
 
 
+def _minima(valleys: Sequence[Valley]) -> list[tuple[str, str]]:
+    """Every minimum that the search came by, so that one sees how clear the choice was."""
+    return [
+        (
+            f"minimum {number} at {valley.setting}",
+            f"T {plain(valley.pretension, 4)} N, μ {plain(valley.friction_coefficient, 3)}: "
+            f"misfit {plain(valley.misfit, 3)} per measurement of the runs that it was "
+            "sought with",
+        )
+        for number, valley in enumerate(valleys, start=1)
+    ]
+
+
 def _provenance(campaign: Campaign, estimate: Estimate) -> list[tuple[str, str]]:
     fit = estimate.fit
     fitted = ", ".join(run.name for run in estimate.comparisons if not run.held_out)
@@ -337,8 +355,9 @@ def _provenance(campaign: Campaign, estimate: Estimate) -> list[tuple[str, str]]
         ("fitted runs", fitted),
         ("held-out runs", held_out or "none"),
         ("skipped runs", ", ".join(name for name, _ in campaign.skipped) or "none"),
-        ("measurements", f"{fit.measurements}"),
+        ("independent measurements", f"{fit.measurements:.0f}"),
         ("fit", f"{fit.ended} after {fit.iterations} evaluations; {len(fit.starts)} starts"),
+        *_minima(fit.valleys),
         ("encoder noise, σ", f"{1e3 * sensors['encoder_sigma']:.4g} mrad"),
         (
             "camera noise, σ",

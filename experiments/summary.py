@@ -7,16 +7,19 @@ from rich.table import Table
 from rich.text import Text
 
 from experiments.console_text import print_lines, rich_table
-from experiments.drive_report import axis_rows, axis_sentences
+from experiments.drive_report import axis_rows, axis_sentences, law_sentences
+from experiments.model_section import model_tables, profile_table
 from experiments.number_text import rounded
 from experiments.parameter_table import Row, inside, parameter_row
 from experiments.tuning_section import Table as PlainTable
 from experiments.tuning_section import tuning_sentences, tuning_tables
 from experiments.verdict import Words, estimated, words
+from identification.axis_law import AxisLaws
 from identification.campaign.types import Campaign
-from identification.drive_axis import PARAMETER_NAMES, DriveAxisEstimate
+from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
+from identification.profile import Profile
 from tuning.types import Tuning
 
 _STYLES = {
@@ -51,6 +54,7 @@ def show(
     frequencies: FrequencyMap | None = None,
     truth: Mapping[str, float] | None = None,
     tuning: Tuning | None = None,
+    profiles: Sequence[Profile] = (),
 ) -> None:
     """Print what a campaign says about a robot.
 
@@ -61,11 +65,16 @@ def show(
         frequencies: Natural frequencies, None without.
         truth: True values by name [SI], printed beside the estimates.
         tuning: Gains and shapers, None without.
+        profiles: Profiles of the estimated quantities, where they were traced.
     """
     rows = [
         parameter_row(parameter, truth=dict(truth or {})) for parameter in estimated(estimate)
     ]
     console.print(_parameters(rows, with_truth=bool(truth)))
+    if profiles:
+        console.print(rich_table(profile_table(profiles)))
+    for table in model_tables(estimate):
+        console.print(rich_table(table))
     said = words(campaign, estimate, frequencies=frequencies, tuned=tuning is not None)
     _print_words(console, said, parameters=len(rows))
     if tuning is not None:
@@ -124,22 +133,26 @@ def show_frequencies(console: Console, frequencies: FrequencyMap) -> None:
 
 
 def show_axis(
-    console: Console, estimate: DriveAxisEstimate, *, position_unit: str = "m"
+    console: Console,
+    estimate: DriveAxisEstimate,
+    laws: AxisLaws,
+    *,
+    position_unit: str = "m",
 ) -> None:
     """Print an axis's parameters.
 
     Args:
         console: Where to print them.
         estimate: The estimate.
+        laws: The extended friction law beside the usual one.
         position_unit: SI unit of its log's positions, "m" or "rad".
     """
     console.print(
         _parameters(axis_rows(estimate, position_unit=position_unit), with_truth=False)
     )
     # The parameters are in the table already.
-    print_lines(
-        console, axis_sentences(estimate, position_unit=position_unit)[len(PARAMETER_NAMES) :]
-    )
+    told = axis_sentences(estimate, position_unit=position_unit)[len(estimate.names) :]
+    print_lines(console, [*told, *law_sentences(laws, position_unit=position_unit)])
 
 
 def _parameters(rows: Sequence[Row], *, with_truth: bool) -> Table:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from experiments.coordinates import COORDINATES
+from experiments.model_section import verdict_on_models
 from experiments.number_text import percent, plain, readable_unit, rounded
 from identification.campaign.types import Campaign
 from identification.comparison import ENCODERS, Channel, Comparison
@@ -13,6 +14,7 @@ from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
 from identification.uncertainty import ParameterEstimate, half_width
 from identification.unknowns import PER_SETTING
+from identification.validation import LEVEL, validate
 from scdpr_jax.parameters import value
 
 FRICTION = "friction_coefficient"
@@ -141,6 +143,8 @@ def friction_forces(estimate: Estimate) -> tuple[FrictionForce, ...]:
     for index, parameter in enumerate(free):
         if parameter.name != PER_SETTING or mu.value == 0:
             continue
+        if not math.isfinite(parameter.sigma + mu.sigma):
+            continue
         force = 4 * parameter.value * mu.value
         shares = (parameter.sigma / parameter.value, mu.sigma / mu.value)
         together = 2 * float(estimate.correlation[index, mu_at]) * shares[0] * shares[1]
@@ -216,13 +220,36 @@ def words(
         )
     if frequencies is not None:
         found.append(_frequencies(frequencies))
-    sure = [_noise(estimate)]
+    sure = [_noise(estimate), _validated(estimate), *verdict_on_models(estimate)]
+    sure += _untold(estimate)
     sure += [_held_out(one) for one in predictions(estimate)]
     sure += _ending(estimate)
     if campaign is not None:
         sure += _clocks(campaign, estimate)
         sure += _skipped(campaign)
     return Words(tuple(found), tuple(sure), tuple(_next(estimate, frequencies, tuned)))
+
+
+def _validated(estimate: Estimate) -> str:
+    """What whiteness and independence say of the fitted and of the held-out runs."""
+    found = [one for run in estimate.comparisons for one in validate(run)]
+    tested = [one for one in found if one.is_rounding or not math.isnan(one.whiteness)]
+    worse = [one for one in tested if one.verdict != "noise"]
+    follows = sum(one.independence < LEVEL for one in worse)
+    hangs = len(worse) - follows
+    return (
+        f"Of {len(tested)} channels that are long enough to test, "
+        f"{len(tested) - follows - hangs} leave white residuals that know nothing of the "
+        f"voltages, or an encoder's rounding; {follows} follow the voltages, and {hangs} more "
+        "hang together in time."
+    )
+
+
+def _untold(estimate: Estimate) -> list[str]:
+    """Why a quantity can't be told, or hardly."""
+    badly = [p for p in estimated(estimate) if p.status in ("weak", "unidentifiable")]
+    reasons = [estimate.identifiability.reason(p.name, p.setting) for p in badly]
+    return list(dict.fromkeys(reasons))
 
 
 def _parameter(parameter: ParameterEstimate) -> str:

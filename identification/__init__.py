@@ -17,6 +17,8 @@ from identification.frequency_map import FrequencyMap as FrequencyMap
 from identification.frequency_map import frequency_map as frequency_map
 from identification.frequency_map import read_frequencies as read_frequencies
 from identification.frequency_map import write_frequencies as write_frequencies
+from identification.identifiability import Identifiability as Identifiability
 from identification.ring_down import RingDown as RingDown
 from identification.ring_down import ring_down as ring_down
+from identification.selection import select as select
 from identification.uncertainty import ParameterEstimate as ParameterEstimate

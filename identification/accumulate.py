@@ -34,14 +34,32 @@ BLOCKS = 40
 class RunSums(NamedTuple):
     """What one run adds to the normal equations, see `identification.misfit`."""
 
-    cost: Float[Array, ""]
-    """The misfit."""
+    cost: Float[Array, " channels"]
+    """Misfit of each channel; without the cable only the encoders have one."""
+    weight: Float[Array, " channels"]
+    """How much each channel counts, 1 while its residuals are noise."""
+    information: Float[Array, "channels n n"]
+    """Jacobian transposed times Jacobian of each channel, at its full weight."""
     gradient: Float[Array, " n"]
-    """Jacobian transposed times residuals."""
-    matrix: Float[Array, "n n"]
-    """Jacobian transposed times Jacobian."""
+    """Jacobian transposed times residuals, with what is known before."""
     scores: Float[Array, "blocks n"]
     """The gradient's parts from `BLOCKS` stretches of time."""
+    known_cost: Float[Array, ""]
+    """Misfit of what is known before."""
+    known: Float[Array, "n n"]
+    """Information of what is known before."""
+    residuals: Residuals | Float[Array, "rows 2"]
+    """The residuals themselves."""
+
+    @property
+    def total(self) -> Float[Array | np.ndarray, "..."]:
+        """The misfit of everything."""
+        return self.cost.sum(axis=-1) + self.known_cost
+
+    @property
+    def matrix(self) -> Float[Array | np.ndarray, "... n n"]:
+        """The Gauss-Newton matrix."""
+        return (self.weight[..., None, None] * self.information).sum(axis=-3) + self.known
 
 
 def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
@@ -54,14 +72,16 @@ def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
     Returns:
         Angles from the start [rad].
     """
-    axis = AxisParameters(drive.inertia, drive.damping, drive.friction, 0.0)
     torque = motor_torque(drive, record.voltage)
 
-    def turn(torque: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+    def turn(
+        torque: Float[Array, " intervals"], friction: Float[Array, ""]
+    ) -> Float[Array, " rows"]:
+        axis = AxisParameters(drive.inertia, drive.damping, friction, 0.0)
         start = jnp.zeros_like(torque[0])
         return axis_positions(axis, torque, steps=record.duration, start=start)
 
-    return jax.vmap(turn, in_axes=1, out_axes=1)(torque)
+    return jax.vmap(turn, in_axes=(1, 0), out_axes=1)(torque, drive.frictions)
 
 
 def motor_residuals(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
@@ -97,21 +117,28 @@ def run_residuals(
 
 @eqx.filter_jit
 def run_sums(
-    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: Record
+    robot: Robot,
+    free: tuple[str, ...],
+    unknowns: Float[Array, "lanes n"],
+    run: Int[Array, " lanes"],
+    records: Record,
 ) -> RunSums:
-    """Sums of all runs with the cable on.
+    """Sums of runs with the cable on.
 
     Args:
         robot: The robot with its fixed quantities.
         free: Names of the free quantities.
-        unknowns: For each run its free quantities and its circumstances.
+        unknowns: For each lane its run's free quantities and its circumstances.
+        run: Which of the runs each lane is.
         records: The runs.
 
     Returns:
-        Each run's sums.
+        Each lane's sums.
     """
 
-    def one(unknown: Float[Array, " n"], record: Record) -> RunSums:
+    def one(unknown: Float[Array, " n"], number: Int[Array, ""]) -> RunSums:
+        record = jax.tree.map(lambda leaf: leaf[number], records)
+
         def both(x: Float[Array, " n"]) -> tuple[Residuals, Residuals]:
             found = run_residuals(robot, free, x, record)
             return found, found
@@ -123,16 +150,23 @@ def run_sums(
         def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
             return jnp.clip(time / end * BLOCKS, 0.0, BLOCKS - 1.0).astype(int)
 
-        sums = _known_sums(found.known, jacobian.known)
-        rows = jnp.full(2, jnp.sum(record.angle_weight > 0))
+        rows = jnp.sum(record.angle_share, axis=0)
         frames = jnp.sum(record.frame_weight > 0, axis=0)
         encoders = _channel_sums(found.angle, jacobian.angle, rows, stretch(when), end)
         camera = _channel_sums(
             found.frame, jacobian.frame, frames, stretch(record.frame_time), end
         )
-        return jax.tree.map(lambda *parts: sum(parts), sums, encoders, camera)
+        pull = found.known @ jacobian.known
+        return RunSums(
+            *(jnp.concatenate(pair) for pair in zip(encoders[:3], camera[:3], strict=True)),
+            gradient=jnp.sum(encoders.scores + camera.scores, axis=0) + pull,
+            scores=(encoders.scores + camera.scores).at[0].add(pull),
+            known_cost=jnp.sum(jnp.square(found.known)),
+            known=jacobian.known.T @ jacobian.known,
+            residuals=found,
+        )
 
-    return jax.vmap(one)(unknowns, records)
+    return jax.vmap(one)(unknowns, run)
 
 
 @eqx.filter_jit
@@ -159,12 +193,29 @@ def motor_sums(
             return found, found
 
         jacobian, found = jax.jacfwd(both, has_aux=True)(unknown)
-        rows = jnp.arange(found.shape[0])
-        count = jnp.full(2, jnp.sum(record.weight > 0))
-        block = rows * BLOCKS // found.shape[0]
-        return _channel_sums(found, jacobian, count, block, jnp.sum(record.duration))
+        block = jnp.arange(found.shape[0]) * BLOCKS // found.shape[0]
+        sums = _channel_sums(
+            found, jacobian, jnp.sum(record.share, axis=0), block, jnp.sum(record.duration)
+        )
+        return RunSums(
+            *sums[:3],
+            gradient=jnp.sum(sums.scores, axis=0),
+            scores=sums.scores,
+            known_cost=jnp.zeros(()),
+            known=jnp.zeros_like(sums.information[0]),
+            residuals=found,
+        )
 
     return jax.vmap(one)(unknowns, records)
+
+
+class _ChannelSums(NamedTuple):
+    """Sums over the channels of one stream, as in `RunSums`."""
+
+    cost: Float[Array, " channels"]
+    weight: Float[Array, " channels"]
+    information: Float[Array, "channels n n"]
+    scores: Float[Array, "blocks n"]
 
 
 def _channel_sums(
@@ -173,25 +224,15 @@ def _channel_sums(
     count: Float[Array, " channels"] | Int[Array, " channels"],
     block: Int[Array, " samples"],
     duration: Float[Array, ""],
-) -> RunSums:
-    """Sums over the channels of one stream."""
+) -> _ChannelSums:
     misfit = channel_misfit(residual, count, duration)
     pull = jnp.sum((misfit.weight[None] * residual)[..., None] * jacobian, axis=1)
-    scores = jax.ops.segment_sum(pull, block, num_segments=BLOCKS)
-    scaled = (jnp.sqrt(misfit.weight)[None, :, None] * jacobian).reshape(-1, jacobian.shape[-1])
-    return RunSums(
-        cost=jnp.sum(misfit.cost),
-        gradient=jnp.sum(scores, axis=0),
-        matrix=scaled.T @ scaled,
-        scores=scores,
+    return _ChannelSums(
+        cost=misfit.cost,
+        weight=misfit.weight,
+        information=jnp.einsum("scn,scm->cnm", jacobian, jacobian),
+        scores=jax.ops.segment_sum(pull, block, num_segments=BLOCKS),
     )
-
-
-def _known_sums(residual: Float[Array, "4"], jacobian: Float[Array, "4 n"]) -> RunSums:
-    """Sums of what is known before, at its full weight."""
-    gradient = residual @ jacobian
-    scores = jnp.zeros((BLOCKS, jacobian.shape[-1])).at[0].set(gradient)
-    return RunSums(jnp.sum(jnp.square(residual)), gradient, jacobian.T @ jacobian, scores)
 
 
 def assemble(
@@ -201,29 +242,25 @@ def assemble(
 
     Args:
         unknowns: The layout.
-        runs: Number of the run in the layout that each row of the sums is of; -1 for a
-            run to leave out.
-        sums: Sums of the runs, with or without the circumstances' columns.
+        runs: Number of the run in the layout that each row of the sums is of.
+        sums: Sums of the runs, with or without the circumstances' columns, as NumPy arrays.
         shared: Whether the runs may say anything about the shared quantities, or about
             their own circumstances alone.
 
     Returns:
         Normal equations and scores over all unknowns.
     """
-    size, names = unknowns.size, len(unknowns.free)
-    matrix, gradient, cost = np.zeros((size, size)), np.zeros(size), 0.0
-    scores = []
-    sums = jax.tree.map(np.asarray, sums)
-    for row, run in enumerate(runs):
-        if run < 0:
-            continue
-        open_to_it = np.concatenate([np.full(names, shared), unknowns.active[run]])
-        columns = np.flatnonzero(open_to_it[: sums.gradient.shape[1]])
+    size = unknowns.size
+    matrix, gradient = np.zeros((size, size)), np.zeros(size)
+    scores = np.zeros((len(runs), BLOCKS, size))
+    for row, (run, own) in enumerate(zip(runs, sums.matrix, strict=True)):
+        quantities = unknowns.opened[unknowns.local[run]] & shared
+        open_to_it = np.concatenate([quantities, unknowns.active[run]])
+        columns = np.flatnonzero(open_to_it[: own.shape[0]])
         at = unknowns.of_run(run)[columns]
-        matrix[np.ix_(at, at)] += sums.matrix[row][np.ix_(columns, columns)]
-        gradient[at] += sums.gradient[row][columns]
-        cost += float(sums.cost[row])
-        score = np.zeros((BLOCKS, size))
-        score[:, at] = sums.scores[row][:, columns]
-        scores.append(score)
-    return Normal(cost, gradient, matrix), np.array(scores).reshape(-1, BLOCKS, size)
+        # Quantities that share an unknown add up in it.
+        np.add.at(matrix, np.ix_(at, at), own[np.ix_(columns, columns)])
+        np.add.at(gradient, at, sums.gradient[row][columns])
+        for column, place in zip(columns, at, strict=True):
+            scores[row][:, place] += sums.scores[row][:, column]
+    return Normal(float(np.sum(sums.total)), gradient, matrix), scores

@@ -27,6 +27,14 @@ class AxisParameters(eqx.Module):
     """Coulomb friction $F_c$ [N]."""
     offset: Float[Array, ""] = eqx.field(converter=real, metadata=si("N", "o"))
     """Force that the voltage has to overcome besides, of either direction, $o$ [N]."""
+    viscous_difference: Float[Array, ""] = eqx.field(
+        default=0.0, converter=real, metadata=si("N s/m", r"\Delta F_v")
+    )
+    r"""Viscous friction forwards minus that backwards $\Delta F_v$ [N s/m]."""
+
+    def viscous_along(self, direction: Float[Array, ""]) -> Float[Array, ""]:
+        """Viscous friction in a direction, +1 or -1; their mean at 0 [N s/m]."""
+        return self.viscous + direction * self.viscous_difference / 2
 
 
 class AxisState(eqx.Module):
@@ -92,12 +100,13 @@ def axis_step(
     Returns:
         State at its end.
     """
-    M, F_v, F_c = parameters.mass, parameters.viscous, parameters.coulomb
+    M, F_c = parameters.mass, parameters.coulomb
     f = force - parameters.offset
     q, v = state.position, state.velocity
     s = jnp.sign(v)
+    F_v = parameters.viscous_along(s)
 
-    sliding_time, halts = _sliding_time(parameters, v, load=f - s * F_c, duration=duration)
+    sliding_time, halts = _sliding_time(M, F_v, v, load=f - s * F_c, duration=duration)
     move, gain = _glide(sliding_time, v, start_rate=(f - s * F_c - F_v * v) / M, decay=F_v / M)
     q, v = q + move, jnp.where(halts, 0.0, v + gain)
 
@@ -105,14 +114,16 @@ def axis_step(
     remaining = duration - sliding_time
     slips = halts & (jnp.abs(f) > F_c)
     surplus = f - jnp.sign(f) * F_c
-    move, gain = _glide(remaining, jnp.zeros_like(v), start_rate=surplus / M, decay=F_v / M)
+    decay = parameters.viscous_along(jnp.sign(f)) / M
+    move, gain = _glide(remaining, jnp.zeros_like(v), start_rate=surplus / M, decay=decay)
     return AxisState(
         position=q + jnp.where(slips, move, 0.0), velocity=jnp.where(slips, gain, v)
     )
 
 
 def _sliding_time(
-    parameters: AxisParameters,
+    mass: Float[Array, ""],
+    viscous: Float[Array, ""],
     velocity: Float[Array, ""],
     *,
     load: Float[Array, ""],
@@ -128,8 +139,8 @@ def _sliding_time(
     # Where nothing brakes there is no such time: a harmless one keeps the gradient finite.
     p = jnp.where(braked, load, 1.0)
     v = jnp.where(braked, velocity, 0.0)
-    w = jnp.where(braked, -parameters.viscous * v / p, 0.0)
-    stop = -parameters.mass * v / p * _log1p_ratio(w)
+    w = jnp.where(braked, -viscous * v / p, 0.0)
+    stop = -mass * v / p * _log1p_ratio(w)
     halts = ~moves | (braked & (stop < duration))
     until = jnp.where(moves, jnp.where(halts, stop, duration), 0.0)
     return until, halts

@@ -85,10 +85,27 @@ class Comparison:
 
 
 @eqx.filter_jit
-def _predictions(
+def predictions(
     robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: Record
-):
-    def one(unknown, record):
+) -> tuple[
+    Float[Array, "runs rows 5"], Float[Array, "runs rows 2"], Float[Array, "runs frames 5"]
+]:
+    """Runs with the cable on as the robot would do them.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each run its free quantities and its circumstances.
+        records: The runs' records.
+
+    Returns:
+        Positions at the drive's rows, encoder angles there, and positions at the camera's
+        stamps [m, rad, m, m, m].
+    """
+
+    def one(
+        unknown: Float[Array, " n"], record: Record
+    ) -> tuple[Float[Array, "rows 5"], Float[Array, "rows 2"], Float[Array, "frames 5"]]:
         fitted = apply(robot, free, unknown[: len(free)])
         states, angle, frames = predict(fitted, Circumstances(*unknown[len(free) :]), record)
         return states.position, angle, frames
@@ -123,8 +140,11 @@ def compare(
     Raises:
         FloatingPointError: If the simulation of a run isn't finite.
     """
-    predicted = jax.tree.map(np.asarray, _predictions(robot, free, unknowns, records))
+    predicted = jax.tree.map(np.asarray, predictions(robot, free, unknowns, records))
     offsets = np.asarray(unknowns)[:, len(free) + 4]
+    seen, frame, frame_time = (
+        np.asarray(part) for part in (records.frame_weight, records.frame, records.frame_time)
+    )
     found = []
     for number, run in enumerate(runs):
         path, angle, frames = (part[number] for part in predicted)
@@ -135,10 +155,9 @@ def compare(
                 f"run {run.name!r}: the simulation isn't finite at the fitted values. "
                 "Look at the run with `scdpr check`, or leave it out."
             )
-        record = jax.tree.map(lambda leaf, number=number: np.asarray(leaf[number]), records)
-        used = record.frame_weight[:count] > 0
-        measured = np.where(used, record.frame[:count], np.nan)
-        stamps = record.frame_time[:count] - offsets[number] + run.drive.time[0]
+        used = seen[number, :count] > 0
+        measured = np.where(used, frame[number, :count], np.nan)
+        stamps = frame_time[number, :count] - offsets[number] + run.drive.time[0]
         found.append(
             _comparison(
                 run,
@@ -152,6 +171,15 @@ def compare(
     return tuple(found)
 
 
+@eqx.filter_jit
+def _motor_predictions(
+    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: MotorRecord
+) -> Float[Array, "runs rows 2"]:
+    return jax.vmap(lambda u, r: motor_angles(apply(robot, free, u).drive, r))(
+        unknowns, records
+    )
+
+
 def compare_motors(
     robot: Robot,
     free: tuple[str, ...],
@@ -163,15 +191,13 @@ def compare_motors(
     held_out: frozenset[str],
 ) -> tuple[Comparison, ...]:
     """Steps of the bare drives beside their simulations; see `compare`."""
-    angles = jax.vmap(lambda u, r: motor_angles(apply(robot, free, u).drive, r))(
-        unknowns, records
-    )
+    angles = np.asarray(_motor_predictions(robot, free, unknowns, records))
     nothing = (np.zeros(0), np.zeros((0, 5)), np.zeros((0, 5)))
     return tuple(
         _comparison(
             run,
             run.name in held_out,
-            simulated_angle=np.asarray(angles[number])[: run.drive.time.size],
+            simulated_angle=angles[number][: run.drive.time.size],
             camera=nothing,
             path=np.zeros((0, 5)),
             sensors=sensors,

@@ -15,7 +15,10 @@ from identification.pattern_search import Polished, polish
 from scdpr_jax.fields import real, si
 
 PARAMETER_NAMES = ("mass", "viscous", "coulomb", "offset")
-"""The parameters in the order of every vector and matrix here."""
+"""The usual law's parameters, in the order of every vector and matrix here."""
+
+EXTENDED_NAMES = (*PARAMETER_NAMES, "viscous_difference")
+"""Those of the law in which viscous friction differs with the direction."""
 
 _HALF_WINDOWS = (3, 10, 30, 100)  # samples: noise decides which is best, so all are starts
 _BATCH = 8  # simulations at once: as many directions as `polish` tries, so one compilation
@@ -30,9 +33,9 @@ class DriveAxisEstimate(eqx.Module):
     """Values [kg, N s/m, N, N]."""
     sigma: AxisParameters
     """Standard errors, robust to correlated residuals [kg, N s/m, N, N]."""
-    interval95: Float[Array, "4 2"]
-    """95 % intervals, one row for each of `PARAMETER_NAMES`."""
-    correlation: Float[Array, "4 4"]
+    interval95: Float[Array, "parameters 2"]
+    """95 % intervals, one row for each of `names`."""
+    correlation: Float[Array, "parameters parameters"]
     """Correlation of the estimates [1]."""
     status: tuple[str, ...] = eqx.field(static=True)
     """`identified`, `weak`, `unidentifiable` or `at_bound`, one for each parameter."""
@@ -50,6 +53,8 @@ class DriveAxisEstimate(eqx.Module):
     """Steps of the search, those along the gradient and those of the polish."""
     converged: bool = eqx.field(static=True)
     """Whether no step in any direction was left that lowers the error noticeably."""
+    names: tuple[str, ...] = eqx.field(static=True, default=PARAMETER_NAMES)
+    """What was estimated: `PARAMETER_NAMES` or `EXTENDED_NAMES`."""
 
 
 def estimate_drive_axis(
@@ -57,7 +62,8 @@ def estimate_drive_axis(
     *,
     gain: float,
     delay_samples: int = 0,
-    starts: Float[np.ndarray, "starts 4"] | None = None,
+    starts: Float[np.ndarray, "starts parameters"] | None = None,
+    names: tuple[str, ...] = PARAMETER_NAMES,
     max_iterations: int = 12,
 ) -> DriveAxisEstimate:
     r"""Fit $M \ddot q + F_v \dot q + F_c\,\mathrm{Sgn}\,\dot q + o \ni g u$ by output error.
@@ -82,8 +88,10 @@ def estimate_drive_axis(
         delay_samples: Samples by which the voltage acts late. The default suits a log of
             what was applied. It isn't estimated: in the EMPS axis's record one sample more
             makes the best open loop 0.7 % worse, in the published parameters' 0.1 %.
-        starts: Starts of the search in the order of `PARAMETER_NAMES`, instead of those
-            found from the log.
+        starts: Starts of the search in the order of `names`, instead of those found from
+            the log.
+        names: `PARAMETER_NAMES`, or `EXTENDED_NAMES` for viscous friction of its own in
+            each direction.
         max_iterations: Largest number of steps along the gradient.
 
     Returns:
@@ -94,23 +102,25 @@ def estimate_drive_axis(
             moves, no start could be found, or no parameters explain the motion.
     """
     _check(log, gain=gain, delay_samples=delay_samples)
-    force = gain * _delayed(log.voltage, delay_samples)[:-1]
+    force = gain * delayed(log.voltage, delay_samples)[:-1]
     steps = jnp.diff(log.time)
     guesses = _starts(log, gain=gain) if starts is None else np.asarray(starts, dtype=float)
 
+    guesses = np.pad(guesses, [(0, 0), (0, len(names) - guesses.shape[1])])
+
     def evaluate(
-        thetas: Float[np.ndarray, "starts 4"],
-    ) -> tuple[Float[np.ndarray, "starts samples"], Float[np.ndarray, "starts samples 4"]]:
+        thetas: Float[np.ndarray, "starts n"],
+    ) -> tuple[Float[np.ndarray, "starts samples"], Float[np.ndarray, "starts samples n"]]:
         residuals, jacobian = _residuals_and_jacobian(
             _filled(thetas), force, steps, log.position
         )
         count = len(thetas)
         return np.asarray(residuals)[:count], np.asarray(jacobian)[:count]
 
-    def costs(thetas: Float[np.ndarray, "points 4"]) -> Float[np.ndarray, " points"]:
+    def costs(thetas: Float[np.ndarray, "points n"]) -> Float[np.ndarray, " points"]:
         return np.asarray(_costs(_filled(thetas), force, steps, log.position))[: len(thetas)]
 
-    lower = np.array([-np.inf, 0.0, 0.0, -np.inf])
+    lower = _lower(names)
     guesses = np.column_stack([np.log(guesses[:, 0]), guesses[:, 1:]])
     minimum = minimise(evaluate, guesses, lower=lower, max_iterations=max_iterations)
     polished = polish(evaluate, costs, minimum.parameters, lower=lower)
@@ -119,6 +129,7 @@ def estimate_drive_axis(
     return _estimate(
         log,
         polished,
+        names=names,
         force=np.asarray(force),
         starts=len(guesses),
         agreeing_starts=near,
@@ -165,8 +176,16 @@ def _check_fit(log: AxisLog, polished: Polished, *, gain: float) -> None:
         )
 
 
-def _delayed(voltage: Float[Array, " samples"], samples: int) -> Float[Array, " samples"]:
-    """Voltage that acts late; the first command is taken to have stood before."""
+def delayed(voltage: Float[Array, " samples"], samples: int) -> Float[Array, " samples"]:
+    """Voltage that acts late; the first command is taken to have stood before.
+
+    Args:
+        voltage: Commands [V].
+        samples: By how many samples.
+
+    Returns:
+        What acts [V].
+    """
     kept = len(voltage) - samples
     return jnp.concatenate([jnp.broadcast_to(voltage[0], (samples,)), voltage[:kept]])
 
@@ -187,12 +206,17 @@ def _starts(log: AxisLog, *, gain: float) -> Float[np.ndarray, "starts 4"]:
     return np.array(found + spread)
 
 
-def _from_vector(theta: Float[Array, "4"]) -> AxisParameters:
+def _lower(names: tuple[str, ...]) -> Float[np.ndarray, " parameters"]:
+    """Lower bounds of what the search varies."""
+    return np.array([0.0 if name in ("viscous", "coulomb") else -np.inf for name in names])
+
+
+def _from_vector(theta: Float[Array, " parameters"]) -> AxisParameters:
     """Parameters from what the search varies: the mass's logarithm and the rest as it is."""
-    return AxisParameters(jnp.exp(theta[0]), theta[1], theta[2], theta[3])
+    return AxisParameters(jnp.exp(theta[0]), *theta[1:])
 
 
-def _filled(thetas: Float[np.ndarray, "points 4"]) -> Float[Array, "batch 4"]:
+def _filled(thetas: Float[np.ndarray, "points n"]) -> Float[Array, "batch n"]:
     """The points with their last repeated up to the size of a batch, or a multiple of it."""
     missing = -len(thetas) % _BATCH
     return jnp.asarray(np.concatenate([thetas, np.repeat(thetas[-1:], missing, axis=0)]))
@@ -200,14 +224,14 @@ def _filled(thetas: Float[np.ndarray, "points 4"]) -> Float[Array, "batch 4"]:
 
 @jax.jit
 def _residuals_and_jacobian(
-    thetas: Float[Array, "starts 4"],
+    thetas: Float[Array, "starts n"],
     force: Float[Array, " steps"],
     steps: Float[Array, " steps"],
     position: Float[Array, " samples"],
-) -> tuple[Float[Array, "starts samples"], Float[Array, "starts samples 4"]]:
+) -> tuple[Float[Array, "starts samples"], Float[Array, "starts samples n"]]:
     """Simulated minus measured positions [m] of a batch, with forward-mode derivatives."""
 
-    def residuals(theta: Float[Array, "4"]) -> tuple[Array, Array]:
+    def residuals(theta: Float[Array, " n"]) -> tuple[Array, Array]:
         values = _residuals(theta, force, steps, position)
         return values, values
 
@@ -217,7 +241,7 @@ def _residuals_and_jacobian(
 
 @jax.jit
 def _costs(
-    thetas: Float[Array, "points 4"],
+    thetas: Float[Array, "points n"],
     force: Float[Array, " steps"],
     steps: Float[Array, " steps"],
     position: Float[Array, " samples"],
@@ -228,7 +252,7 @@ def _costs(
 
 
 def _residuals(
-    theta: Float[Array, "4"],
+    theta: Float[Array, " n"],
     force: Float[Array, " steps"],
     steps: Float[Array, " steps"],
     position: Float[Array, " samples"],
@@ -242,6 +266,7 @@ def _estimate(
     log: AxisLog,
     polished: Polished,
     *,
+    names: tuple[str, ...],
     force: Float[np.ndarray, " steps"],
     starts: int,
     agreeing_starts: int,
@@ -252,16 +277,17 @@ def _estimate(
     values = np.array([np.exp(theta[0]), *theta[1:]])
     # From here on the mass itself, not its logarithm.
     spread = sandwich(
-        polished.jacobian / np.array([values[0], 1.0, 1.0, 1.0]), polished.residuals
+        polished.jacobian / np.array([values[0], *np.ones(len(values) - 1)]),
+        polished.residuals,
     )
     sigma = np.sqrt(np.diag(spread.covariance))
-    low = np.maximum(values - 1.96 * sigma, [0.0, 0.0, 0.0, -np.inf])
+    low = np.maximum(values - 1.96 * sigma, np.array([0.0, *_lower(names)[1:]]))
     return DriveAxisEstimate(
         parameters=AxisParameters(*values),
         sigma=AxisParameters(*sigma),
         interval95=jnp.asarray(np.stack([low, values + 1.96 * sigma], axis=1)),
         correlation=jnp.asarray(_correlation(spread.covariance)),
-        status=_status(values, sigma, force=float(np.sqrt(np.mean(force**2)))),
+        status=_status(names, values, sigma, force=float(np.sqrt(np.mean(force**2)))),
         open_loop_rmse=np.sqrt(np.mean(polished.residuals**2)),
         positions=np.asarray(log.position) + polished.residuals,
         memory=spread.bandwidth * np.median(np.diff(np.asarray(log.time))),
@@ -269,10 +295,11 @@ def _estimate(
         agreeing_starts=agreeing_starts,
         iterations=iterations,
         converged=polished.converged,
+        names=names,
     )
 
 
-def _correlation(covariance: Float[np.ndarray, "4 4"]) -> Float[np.ndarray, "4 4"]:
+def _correlation(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
     """Correlation matrix; a parameter without any variance is correlated with none."""
     sigma = np.sqrt(np.diag(covariance))
     product = np.outer(sigma, sigma)
@@ -282,10 +309,20 @@ def _correlation(covariance: Float[np.ndarray, "4 4"]) -> Float[np.ndarray, "4 4
 
 
 def _status(
-    values: Float[np.ndarray, "4"], sigma: Float[np.ndarray, "4"], *, force: float
+    names: tuple[str, ...],
+    values: Float[np.ndarray, " n"],
+    sigma: Float[np.ndarray, " n"],
+    *,
+    force: float,
 ) -> tuple[str, ...]:
-    """How far each parameter is known; the offset is measured by the force [N] it opposes."""
-    scales = np.array([*values[:3], max(abs(values[3]), force)])
+    """How far each parameter is known.
+
+    The offset is measured by the force [N] it opposes, the difference of the viscous
+    frictions by their mean.
+    """
+    scales = np.abs(values)
+    scales[3] = max(scales[3], force)
+    scales[4:] = np.maximum(scales[4:], values[1])
 
     def one(value: float, error: float, scale: float, bounded: bool) -> str:
         if bounded and value <= 0:
@@ -294,6 +331,6 @@ def _status(
             return "unidentifiable"
         return "weak" if error > _WEAK * scale else "identified"
 
-    bounded = (False, True, True, False)
+    bounded = np.isfinite(_lower(names))
     rows = zip(values, sigma, scales, bounded, strict=True)
     return tuple(one(float(v), float(e), float(s), b) for v, e, s, b in rows)

@@ -9,43 +9,27 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from identification.accumulate import MotorRecord, assemble, motor_sums, run_sums
-from identification.campaign.types import Campaign, Run
+from identification.campaign.types import Campaign
 from identification.comparison import Comparison, compare, compare_motors
-from identification.first_guess import (
-    FRICTION_FORCES,
-    KNOCKS,
-    PRETENSIONS,
-    scan,
-)
-from identification.levenberg_marquardt import Minimum, Normal, free_unknowns, minimise
-from identification.record import Record, coarse, motor_record, stacked
+from identification.identifiability import Identifiability, identifiability
+from identification.levenberg_marquardt import Minimum, free_unknowns
+from identification.models import Model
+from identification.problem import Problem
 from identification.residuals import Circumstances
-from identification.start import Clock, clocks
-from identification.uncertainty import ParameterEstimate, covariance, half_width, judge
-from identification.unknowns import (
-    DEFAULT_FREE,
-    PER_SETTING,
-    Unknowns,
-    decode,
-    encode,
-    layout,
-    start_values,
+from identification.starts import Valley, starts
+from identification.uncertainty import (
+    ParameterEstimate,
+    covariance,
+    half_width,
+    is_untold,
+    judge,
 )
+from identification.unknowns import DEFAULT_FREE, FOLLOWS, PER_SETTING, Unknowns, decode, encode
 from scdpr_jax.parameters import QUANTITIES, Robot, exact, quantity, replace, value
 from scdpr_jax.prototype import consistent
 
-COARSE_STEP = 5e-3
-"""Step of the scan and of the first iterations [s]: some 20 µm of error at it."""
-
-SCAN_STEP = 1e-2
-"""Step of the scan [s]: a tenth of the fastest vibration that it has to follow."""
-
-SCAN_RUNS = 2
-"""Runs of a setting that the scan looks at: those that move the furthest sideways."""
-
-STARTS = 3
-"""Valleys of the scan that a fit is begun in."""
+CORRECTIONS = 2
+"""How often the coarser grid's own error is taken off, see `Problem.corrected`."""
 
 Progress = Callable[[str, float], None]
 """Told what is being done and which share of it is done, 0 to 1."""
@@ -56,15 +40,17 @@ class Fit:
     """How an estimate came about."""
 
     starts: tuple[float, ...]
-    """Misfit per measurement that each start ended at, on the coarse grid [1]."""
+    """Misfit per measurement that each start ended at, before the last iterations [1]."""
+    valleys: tuple[Valley, ...]
+    """Every distinct minimum that was found on the way, with its misfit."""
     iterations: int
-    """Evaluations of the normal equations on the log's own grid."""
+    """Evaluations of the normal equations after the best start was chosen."""
     ended: str
     """How the last fit ended: `converged`, `stalled` at a kink, or `unfinished`."""
     misfit: float
     """Misfit per measurement, see `identification.misfit`; 1 if it is only noise [1]."""
-    measurements: int
-    """Number of measurements."""
+    measurements: float
+    """Number of independent measurements, see `identification.record.readings`."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -83,6 +69,17 @@ class Estimate:
     """Every run beside its simulation, those that were held out included."""
     fit: Fit
     """How it came about."""
+    identifiability: Identifiability
+    """What these logs can tell of what."""
+    models: tuple[Model, ...] = ()
+    """The models that were compared, the usual one first; empty where that is enough."""
+    choice: int = 0
+    """Which of them this estimate is of."""
+
+    @property
+    def lacks(self) -> tuple[str, ...]:
+        """What the usual model lacks, by the choice between models."""
+        return self.models[self.choice].added if self.models else ()
 
     def of_setting(self, label: str) -> Robot:
         """The robot at a nominal pretension.
@@ -117,8 +114,8 @@ def estimate(
     """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
 
     Start poses, the forces of knocks and unknown clocks are estimated with them. Several
-    starts, the best valleys of a scan over pretension and friction, are fitted on a
-    coarse grid; the best of them on the logs' own.
+    starts, the valleys of a scan over pretension and friction, are followed down on a few
+    runs; the best of them goes on with all.
 
     Args:
         campaign: The campaign.
@@ -137,45 +134,100 @@ def estimate(
         ValueError: If float64 is off, if a name is unknown, or if a run can't be used.
         FloatingPointError: If a run's simulation isn't finite at the solution.
     """
-    _require_float64()
+    require_float64()
     prior = exact(replace(robot or consistent(), campaign.robot))
-    problem = _Problem.of(campaign, prior, tuple(free), frozenset(hold_out))
-    rough = problem.on_grid(COARSE_STEP)
+    problem = Problem.of(campaign, prior, tuple(free), frozenset(hold_out))
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
-        # Compiling leaves the interpreter free: both grids' functions come along meanwhile.
-        for each in (rough, problem):
-            aside.submit(each.evaluate, problem.at_rest())
-        progress("first guesses", 0.0)
-        starts = _starts(problem, progress)
+        # Compiling leaves the interpreter free: the rest comes along meanwhile.
+        aside.submit(problem.evaluate, problem.at_rest())
+        aside.submit(problem.corrected, problem.at_rest())
+        begun = starts(problem, lambda doing, share: progress(doing, 0.3 * share))
+    return solve(
+        problem,
+        begun.points,
+        campaign=campaign,
+        valleys=begun.valleys,
+        progress=lambda doing, share: progress(doing, 0.3 + 0.7 * share),
+    )
+
+
+def solve(
+    problem: Problem,
+    points: Sequence[Float[np.ndarray, " n"]],
+    *,
+    campaign: Campaign,
+    valleys: tuple[Valley, ...] = (),
+    progress: Progress = lambda doing, share: None,
+) -> Estimate:
+    """The estimate that some starts lead to.
+
+    Args:
+        problem: The problem.
+        points: Vectors of the fit to begin at.
+        campaign: The campaign that the problem is of.
+        valleys: What else was found on the way.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        FloatingPointError: If a run's simulation isn't finite at the solution.
+    """
     ends = []
-    for number, start in enumerate(starts):
-        share = 0.5 / len(starts)
-        told = _told(
-            progress, f"start {number + 1} of {len(starts)}", 0.1 + share * number, share
-        )
-        ends.append(rough.minimise(start, iterations=15, decrement=1.0, report=told))
-    best = min(ends, key=lambda end: end.normal.cost)
-    told = _told(progress, "all runs at the logs' own rate", 0.6, 0.35)
-    minimum = problem.minimise(best.point, iterations=25, decrement=1e-2, report=told)
-    point = minimum.point
+    for number, start in enumerate(points):
+        told = _told(progress, f"start {number + 1} of {len(points)}", 0.0, 0.6)
+        ends.append(problem.minimise(start, iterations=15, decrement=1.0, report=told))
+    point, done = min(ends, key=lambda end: end.normal.cost).point, 0
+    for number in range(CORRECTIONS):
+        # What the coarser grid errs by hardly depends on the point: twice is enough.
+        progress("all runs at the logs' own rate", 0.6 + 0.15 * number)
+        problem = problem.corrected(point)
+        minimum = problem.minimise(point, iterations=20, decrement=1e-2)
+        point, done = minimum.point, done + minimum.iterations
     if problem.held_out:
-        progress("runs held out", 0.95)
-        alone = problem.minimise(point, iterations=12, decrement=1e-2, held_out=True)
-        point = alone.point
+        progress("runs held out", 0.9)
+        point = problem.minimise(point, iterations=12, decrement=1e-2, held_out=True).point
     progress("standard errors", 1.0)
-    costs = tuple(end.normal.cost / rough.measurements() for end in ends)
+    costs = tuple(end.normal.cost / problem.measurements() for end in ends)
     return Estimate(
         **_judged(problem, minimum),
         circumstances=_circumstances(problem, point),
         comparisons=_comparisons(problem, point, campaign),
         fit=Fit(
             starts=costs,
-            iterations=minimum.iterations,
+            valleys=valleys,
+            iterations=done,
             ended=minimum.ended,
             misfit=minimum.normal.cost / problem.measurements(),
             measurements=problem.measurements(),
         ),
+        identifiability=identifiability(problem, minimum.point),
     )
+
+
+def vector(problem: Problem, found: Estimate) -> Float[np.ndarray, " n"]:
+    """An estimate as a vector of a problem of the same runs.
+
+    Args:
+        problem: The problem; it may free more quantities than the estimate did.
+        found: The estimate.
+
+    Returns:
+        Vector of the fit.
+    """
+    point = problem.at_rest()
+    estimated = {(p.name, p.setting): p.value for p in found.parameters}
+    for index, (name, setting) in enumerate(problem.unknowns.shared):
+        leader = (FOLLOWS.get(name, name), setting)
+        number = estimated.get((name, setting), estimated.get(leader))
+        if number is not None:
+            point[index] = encode(name, number)
+    for row, run in enumerate(problem.cabled):
+        own = found.circumstances[problem.runs[run].name]
+        clock = float(own.clock_offset) - problem.clocks[row].offset
+        point[problem.own(run)] = [own.lower, own.upper, own.height, own.knock, clock]
+    return point
 
 
 def _told(
@@ -185,263 +237,54 @@ def _told(
     return lambda done, cost: progress(doing, begun + share * (1 - 0.5 ** (done / 5)))
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Problem:
-    """A campaign prepared for fitting."""
-
-    runs: tuple[Run, ...]
-    prior: Robot
-    unknowns: Unknowns
-    held_out: frozenset[int]
-    cabled: tuple[int, ...]
-    clocks: tuple[Clock, ...]
-    records: Record | None
-    motors: tuple[int, ...]
-    motor_records: MotorRecord | None
-
-    @classmethod
-    def of(
-        cls, campaign: Campaign, prior: Robot, free: tuple[str, ...], hold_out: frozenset[str]
-    ) -> "_Problem":
-        runs, sensors = campaign.runs, campaign.sensors
-        held_out = frozenset(runs.index(campaign.run(name)) for name in hold_out)
-        motors = tuple(i for i, run in enumerate(runs) if run.kind == "motor_step")
-        cabled = tuple(i for i in range(len(runs)) if i not in motors)
-        radius = float(value(prior, "effective_radius"))
-        known = clocks([runs[i] for i in cabled], sensors, radius)
-        height = float(value(prior, "frame_height"))
-        return cls(
-            runs=runs,
-            prior=prior,
-            unknowns=layout(runs, free),
-            held_out=held_out,
-            cabled=cabled,
-            clocks=known,
-            records=(
-                stacked([runs[i] for i in cabled], known, sensors, height=height)
-                if cabled
-                else None
-            ),
-            motors=motors,
-            motor_records=motor_record([runs[i] for i in motors], sensors) if motors else None,
-        )
-
-    def on_grid(self, step: float) -> "_Problem":
-        """The same problem with intervals of about a given length [s]."""
-        if self.records is None:
-            return self
-        duration = np.asarray(self.records.inputs.duration)
-        factor = max(1, round(step / float(np.median(duration[duration > 0]))))
-        return dataclasses.replace(self, records=coarse(self.records, factor))
-
-    def at_rest(self) -> Float[np.ndarray, " n"]:
-        """The point of the prior robot, every run starting where it was seen to."""
-        unknowns = self.unknowns
-        point = np.concatenate(
-            [start_values(self.prior, unknowns), np.zeros(5 * len(self.runs))]
-        )
-        for row, run in enumerate(self.cabled):
-            point[unknowns.of_run(run)[len(unknowns.free) :][:3]] = self.records.known[row, :3]
-        return point
-
-    def measurements(self) -> int:
-        """Number of measurements that say something about the shared quantities."""
-        count = 0
-        for row, run in enumerate(self.cabled):
-            if run not in self.held_out:
-                count += 2 * int(jnp.sum(self.records.angle_weight[row] > 0))
-                count += int(jnp.sum(self.records.frame_weight[row] > 0))
-        for row, run in enumerate(self.motors):
-            if run not in self.held_out:
-                count += 2 * int(jnp.sum(self.motor_records.weight[row] > 0))
-        return count
-
-    def evaluate(
-        self, point: Float[np.ndarray, " n"], *, held_out: bool = False
-    ) -> tuple[Normal, Float[np.ndarray, "runs blocks n"]]:
-        """Normal equations and scores of the fitted runs, or of those held out."""
-        unknowns, parts = self.unknowns, []
-
-        def chosen(runs: tuple[int, ...]) -> list[int]:
-            return [run if (run in self.held_out) == held_out else -1 for run in runs]
-
-        if self.records is not None:
-            own = jnp.asarray(np.stack([point[unknowns.of_run(i)] for i in self.cabled]))
-            sums = run_sums(self.prior, unknowns.free, own, self.records)
-            parts.append(assemble(unknowns, chosen(self.cabled), sums, shared=not held_out))
-        if self.motor_records is not None:
-            own = jnp.asarray(np.stack([point[unknowns.local[i]] for i in self.motors]))
-            sums = motor_sums(self.prior, unknowns.free, own, self.motor_records)
-            parts.append(assemble(unknowns, chosen(self.motors), sums, shared=not held_out))
-        normal = Normal(
-            sum(part.cost for part, _ in parts),
-            sum(part.gradient for part, _ in parts),
-            sum(part.matrix for part, _ in parts),
-        )
-        return normal, np.concatenate([scores for _, scores in parts])
-
-    def minimise(
-        self,
-        start: Float[np.ndarray, " n"],
-        *,
-        iterations: int,
-        decrement: float,
-        report: Callable[[int, float], None] = lambda iteration, cost: None,
-        held_out: bool = False,
-    ) -> Minimum:
-        return minimise(
-            lambda point: self.evaluate(point, held_out=held_out)[0],
-            start,
-            lower=self.unknowns.lower(),
-            iterations=iterations,
-            decrement=decrement,
-            report=report,
-        )
-
-
-def _starts(problem: _Problem, progress: Progress) -> list[np.ndarray]:
-    """Points to begin at: the best valleys of the scan."""
-    unknowns = problem.unknowns
-    base = _drives_alone(problem, problem.at_rest())
-    scanned = {"friction_coefficient", PER_SETTING} & set(unknowns.free)
-    if problem.records is None or PER_SETTING not in scanned:
-        return [_with_knocks(problem, base)]
-    rough = problem.on_grid(SCAN_STEP)
-    points = [base.copy() for _ in range(STARTS)]
-    friction = np.zeros((STARTS, 0))
-    labels = sorted({label for name, label in unknowns.shared if name == PER_SETTING})
-    for number, label in enumerate(labels):
-        progress(f"scan at {label}", 0.1 * number / len(labels))
-        valleys = _valleys(rough, base, label)
-        if not valleys:
-            continue
-        chosen = [valleys[min(k, len(valleys) - 1)] for k in range(STARTS)]
-        for point, (pretension, _) in zip(points, chosen, strict=True):
-            point[unknowns.shared.index((PER_SETTING, label))] = np.log(pretension)
-        forces = [[force / (4 * pretension)] for pretension, force in chosen]
-        friction = np.concatenate([friction, forces], axis=1)
-    if "friction_coefficient" in scanned and friction.size:
-        for point, coefficient in zip(points, np.median(friction, axis=1), strict=True):
-            index = unknowns.shared.index(("friction_coefficient", None))
-            point[index] = encode("friction_coefficient", coefficient)
-    unique = [
-        p for k, p in enumerate(points) if not any(np.array_equal(p, q) for q in points[:k])
-    ]
-    return [_with_knocks(rough, point) for point in unique]
-
-
-def _drives_alone(problem: _Problem, base: np.ndarray) -> np.ndarray:
-    """The start with the drives' own quantities from the runs without the cable."""
-    if problem.motor_records is None:
-        return base
-    alone = dataclasses.replace(problem, records=None)
-    found = alone.minimise(base, iterations=30, decrement=1e-2)
-    return found.point
-
-
-def _valleys(problem: _Problem, base: np.ndarray, label: str) -> list[tuple[float, float]]:
-    """Pretension [N] and friction force [N] of the scan's local minima, best first."""
-    unknowns = problem.unknowns
-    of_setting = [
-        k
-        for k, i in enumerate(problem.cabled)
-        if problem.runs[i].pretension_label == label and i not in problem.held_out
-    ]
-    if not of_setting:
-        return []
-    reach = np.ptp(np.sum(np.asarray(problem.records.angle), axis=2), axis=1)
-    still = np.array([problem.runs[problem.cabled[k]].knock is not None for k in of_setting])
-    # A knock's force isn't known yet, so knocked runs are the last choice.
-    order = sorted(range(len(of_setting)), key=lambda n: (still[n], -reach[of_setting[n]]))
-    chosen = [of_setting[n] for n in order[:SCAN_RUNS]]
-
-    grid = [(t, f) for t in PRETENSIONS for f in FRICTION_FORCES]
-    pretension = unknowns.free.index(PER_SETTING)
-    rows = []
-    for t, f in grid:
-        for k in chosen:
-            row = base[unknowns.of_run(problem.cabled[k])].copy()
-            row[pretension] = np.log(t)
-            if "friction_coefficient" in unknowns.free:
-                row[unknowns.free.index("friction_coefficient")] = encode(
-                    "friction_coefficient", f / (4 * t)
-                )
-            rows.append(row)
-    cost = scan(
-        problem.prior, unknowns.free, np.stack(rows), chosen * len(grid), problem.records
-    )
-    total = cost.reshape(len(PRETENSIONS), len(FRICTION_FORCES), len(chosen)).sum(axis=2)
-    over_friction = total.min(axis=1)
-    padded = np.pad(over_friction, 1, constant_values=np.inf)
-    minima = np.flatnonzero((over_friction <= padded[:-2]) & (over_friction <= padded[2:]))
-    minima = minima[np.argsort(over_friction[minima])]
-    return [(PRETENSIONS[k], FRICTION_FORCES[int(np.argmin(total[k]))]) for k in minima]
-
-
-def _with_knocks(problem: _Problem, point: np.ndarray) -> np.ndarray:
-    """The start with the forces of its knocks that fit best."""
-    unknowns, point = problem.unknowns, point.copy()
-    knocked = [k for k, i in enumerate(problem.cabled) if problem.runs[i].knock is not None]
-    if not knocked:
-        return point
-    rows = []
-    for k in knocked:
-        for force in KNOCKS:
-            row = point[unknowns.of_run(problem.cabled[k])].copy()
-            row[len(unknowns.free) + 3] = force
-            rows.append(row)
-    cost = scan(
-        problem.prior,
-        unknowns.free,
-        np.stack(rows),
-        [k for k in knocked for _ in KNOCKS],
-        problem.records,
-    )
-    for k, costs in zip(knocked, cost.reshape(len(knocked), len(KNOCKS)), strict=True):
-        where = unknowns.of_run(problem.cabled[k])[len(unknowns.free) + 3]
-        point[where] = KNOCKS[int(np.argmin(costs))]
-    return point
-
-
-def _judged(problem: _Problem, minimum: Minimum) -> dict[str, object]:
+def _judged(problem: Problem, minimum: Minimum) -> dict[str, object]:
     """Robot, parameters and their correlation, from where the fit ended."""
     unknowns, point, lower = problem.unknowns, minimum.point, problem.unknowns.lower()
     _, scores = problem.evaluate(point)
-    count = len(unknowns.shared)
+    chosen = np.flatnonzero(unknowns.opened)
     seen = free_unknowns(minimum.normal, point, lower)
     found = covariance(minimum.normal.matrix, scores, seen)
-    parameters, robot = [], problem.prior
-    for index, (name, setting) in enumerate(unknowns.shared):
+    parameters = []
+    for index in np.flatnonzero(unknowns.opened):
+        name, setting = unknowns.shared[index]
+        known, sigma = quantity(name), float(found.sigma[index])
+        freedom = float(found.degrees_of_freedom[index])
         number = decode(name, point[index])
-        # The logarithm's standard error is relative.
-        sigma = found.sigma[index] * (number if quantity(name).positive else 1.0)
         at_bound = bool(point[index] <= lower[index])
-        half = half_width(sigma, 0.95, found.degrees_of_freedom)
+        if is_untold(name, number, sigma) and not at_bound:
+            # What no run shows is what it was taken to be, not where a search left it.
+            number, sigma = float(value(problem.prior, name)), np.inf
+        # The logarithm's standard error is relative.
+        sigma *= number if known.positive else 1.0
+        half = half_width(sigma, 0.95, freedom)
+        low = (
+            number - half if known.signed or not np.isfinite(half) else max(number - half, 0.0)
+        )
         parameters.append(
             ParameterEstimate(
                 name=name,
                 setting=setting,
                 value=number,
-                unit=quantity(name).unit,
-                sigma=float(sigma),
-                interval95=(number - half, number + half),
+                unit=known.unit,
+                sigma=sigma,
+                interval95=(low, number + half),
                 status=judge(number, sigma, at_bound=at_bound),
-                degrees_of_freedom=found.degrees_of_freedom,
+                degrees_of_freedom=freedom,
             )
         )
-    for parameter in reversed(parameters):
-        robot = replace(robot, {parameter.name: parameter.value})
+    robot = replace(problem.prior, {p.name: p.value for p in reversed(parameters)})
     return {
         "robot": robot,
-        "parameters": (*parameters, *_fixed(robot, unknowns.free)),
-        "correlation": found.correlation[:count, :count],
+        "parameters": (*parameters, *_fixed(robot, unknowns)),
+        "correlation": found.correlation[np.ix_(chosen, chosen)],
     }
 
 
-def _fixed(robot: Robot, free: tuple[str, ...]) -> list[ParameterEstimate]:
+def _fixed(robot: Robot, unknowns: Unknowns) -> list[ParameterEstimate]:
+    opened = {unknowns.shared[index][0] for index in np.flatnonzero(unknowns.opened)}
     fixed = []
     for known in QUANTITIES:
-        if known.name not in free:
+        if known.name not in opened:
             number = float(value(robot, known.name))
             fixed.append(
                 ParameterEstimate(
@@ -458,7 +301,7 @@ def _fixed(robot: Robot, free: tuple[str, ...]) -> list[ParameterEstimate]:
 
 
 def _circumstances(
-    problem: _Problem, point: Float[np.ndarray, " n"]
+    problem: Problem, point: Float[np.ndarray, " n"]
 ) -> dict[str, Circumstances]:
     """What was estimated of each run; clocks with what was known of them before."""
     found = {}
@@ -472,7 +315,7 @@ def _circumstances(
 
 
 def _comparisons(
-    problem: _Problem, point: Float[np.ndarray, " n"], campaign: Campaign
+    problem: Problem, point: Float[np.ndarray, " n"], campaign: Campaign
 ) -> tuple[Comparison, ...]:
     """Every run beside its simulation, in the campaign's order."""
     unknowns = problem.unknowns
@@ -482,7 +325,7 @@ def _comparisons(
     }
     found: list[Comparison] = []
     if problem.records is not None:
-        own = jnp.asarray(np.stack([point[unknowns.of_run(i)] for i in problem.cabled]))
+        own = jnp.asarray(problem.vectors(point))
         runs = tuple(problem.runs[i] for i in problem.cabled)
         found += compare(
             problem.prior, unknowns.free, own, problem.records, runs=runs, **common
@@ -497,7 +340,12 @@ def _comparisons(
     return tuple(sorted(found, key=lambda comparison: order[comparison.name]))
 
 
-def _require_float64() -> None:
+def require_float64() -> None:
+    """Refuse to fit in single precision.
+
+    Raises:
+        ValueError: If float64 is off.
+    """
     if not jax.config.jax_enable_x64:
         raise ValueError(
             "`estimate` needs float64, got float32: rounding would hide what the encoders "

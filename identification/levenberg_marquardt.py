@@ -1,6 +1,6 @@
 """Levenberg-Marquardt on normal equations that somebody else accumulates."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -61,23 +61,71 @@ def minimise(
     Returns:
         The best point, converged or not.
     """
+    search = _search(start, lower=lower, iterations=iterations, decrement=decrement)
+    wanted, done, best = next(search), 0, np.inf
+    while not isinstance(wanted, Minimum):
+        found, done = evaluate(wanted), done + 1
+        best = min(best, found.cost)
+        report(done, best)
+        wanted = search.send(found)
+    return wanted
+
+
+def minimise_together(
+    evaluate: Callable[[list[Float[np.ndarray, " n"]]], list[Normal]],
+    starts: Sequence[Float[np.ndarray, " n"]],
+    *,
+    lower: Float[np.ndarray, " n"],
+    iterations: int,
+    decrement: float,
+) -> list[Minimum]:
+    """Minima from several starts, whose evaluations are made together.
+
+    Args:
+        evaluate: The normal equations at each of some points.
+        starts: Where to begin.
+        lower: Lower bounds, minus infinity for none.
+        iterations: Most evaluations of each start.
+        decrement: As in `minimise`.
+
+    Returns:
+        Where each start ended.
+    """
+    searches = [
+        _search(start, lower=lower, iterations=iterations, decrement=decrement)
+        for start in starts
+    ]
+    wanted = [next(search) for search in searches]
+    while open_ones := [k for k, w in enumerate(wanted) if not isinstance(w, Minimum)]:
+        found = evaluate([wanted[k] for k in open_ones])
+        for k, normal in zip(open_ones, found, strict=True):
+            wanted[k] = searches[k].send(normal)
+    return wanted
+
+
+def _search(
+    start: Float[np.ndarray, " n"],
+    *,
+    lower: Float[np.ndarray, " n"],
+    iterations: int,
+    decrement: float,
+) -> Generator[Float[np.ndarray, " n"] | Minimum, Normal, None]:
+    """The algorithm: yields the points that it wants evaluated, and its minimum at last."""
     point, damping = np.maximum(start, lower), 1e-3
-    best, done = evaluate(point), 1
+    best, done, ended = (yield point), 1, "unfinished"
     while done < iterations:
         step, promised = _step(best, point, lower, damping)
-        enough = max(decrement, 1e-6 * abs(best.cost))
-        if promised <= enough and damping <= 1e-2:
-            return Minimum(point, best, done, "converged")
+        if promised <= max(decrement, 1e-6 * abs(best.cost)):
+            # A long step that promises nothing is the end; a damped one stands at a kink.
+            ended = "converged" if damping <= 1e-2 else "stalled"
+            break
         candidate = np.maximum(point + step, lower)
-        tried, done = evaluate(candidate), done + 1
+        tried, done = (yield candidate), done + 1
         if np.isfinite(tried.cost) and tried.cost < best.cost:
             point, best, damping = candidate, tried, max(damping / 10, 1e-9)
-        elif damping > 1e8:
-            return Minimum(point, best, done, "stalled")
         else:
             damping = max(damping * 10, 1e-3)
-        report(done, best.cost)
-    return Minimum(point, best, done, "unfinished")
+    yield Minimum(point, best, done, ended)
 
 
 def free_unknowns(

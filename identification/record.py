@@ -25,8 +25,10 @@ class Record(eqx.Module):
     """Commands; the knock is 1 N while the end-effector is knocked, else 0."""
     angle: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("rad"))
     """Encoder angles at the ends of the intervals [rad]."""
-    angle_weight: Float[Array, "... rows"] = eqx.field(converter=real, metadata=si("1/rad"))
-    """Inverse standard deviation of the angles [1/rad]; 0 where there is none."""
+    angle_weight: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1/rad"))
+    """Inverse standard deviation of the angles, see `readings` [1/rad]; 0 for none."""
+    angle_share: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1"))
+    """How much of a measurement of its own each angle is, up to 1 [1]."""
     frame_time: Float[Array, "... frames"] = eqx.field(converter=real, metadata=si("s"))
     """Camera stamps on the drive's clock, since its first row [s]."""
     frame: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("m, rad"))
@@ -49,8 +51,31 @@ class MotorRecord(eqx.Module):
     """Commands [V]."""
     angle: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("rad"))
     """Encoder angles [rad]."""
-    weight: Float[Array, "... rows"] = eqx.field(converter=real, metadata=si("1/rad"))
-    """Inverse standard deviation of the angles [1/rad]; 0 where there is none."""
+    weight: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1/rad"))
+    """Inverse standard deviation of the angles, see `readings` [1/rad]; 0 for none."""
+    share: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1"))
+    """How much of a measurement of its own each angle is, up to 1 [1]."""
+
+
+def readings(angle: Float[np.ndarray, "rows 2"]) -> Float[np.ndarray, "rows 2"]:
+    """How much of an independent measurement each encoder sample is.
+
+    A rounded encoder reads the same count for as long as the drive moves by less, and all
+    these samples have one rounding error, not one each. So the `k` samples that read the
+    same count in a row are one measurement, and a `k`-th of it each.
+
+    Args:
+        angle: Angles as they were read [rad].
+
+    Returns:
+        Shares, up to 1 [1].
+    """
+    shares = np.empty(angle.shape)
+    for axis, read in enumerate(angle.T):
+        begins = np.concatenate([[0], np.flatnonzero(np.diff(read) != 0) + 1])
+        lengths = np.diff(np.append(begins, read.size))
+        shares[:, axis] = np.repeat(1 / lengths, lengths)
+    return shares
 
 
 def record(
@@ -80,6 +105,7 @@ def record(
         ValueError: If nothing tells where the run started.
     """
     time = run.drive.time - run.drive.time[0]
+    share = readings(run.drive.angle)
     stamps, frame = _camera(run, clock.offset)
     margin = CLOCK_MARGIN if run.clock_offset is None else 0.0
     known = start_pose(run, clock.offset, sensors, height)
@@ -94,7 +120,8 @@ def record(
             knock=_pad(_knocked(run, time), rows - 1),
         ),
         angle=_pad(run.drive.angle - run.drive.angle[0], rows),
-        angle_weight=_pad(np.full(time.size, 1 / sensors.encoder_sigma), rows),
+        angle_weight=_pad(np.sqrt(share) / sensors.encoder_sigma, rows),
+        angle_share=_pad(share, rows),
         frame_time=_pad(stamps, frames),
         frame=_pad(np.where(seen, frame, 0.0), frames),
         frame_weight=_pad(seen / sigma, frames),
@@ -137,15 +164,18 @@ def motor_record(runs: Sequence[Run], sensors: Sensors) -> MotorRecord:
         Their records, with a leading axis over the runs.
     """
     rows = max(run.drive.time.size for run in runs)
-    each = [
-        MotorRecord(
-            duration=_pad(np.diff(run.drive.time), rows - 1),
-            voltage=_pad(run.drive.voltage[:-1], rows - 1),
-            angle=_pad(run.drive.angle - run.drive.angle[0], rows),
-            weight=_pad(np.full(run.drive.time.size, 1 / sensors.encoder_sigma), rows),
+    each = []
+    for run in runs:
+        share = readings(run.drive.angle)
+        each.append(
+            MotorRecord(
+                duration=_pad(np.diff(run.drive.time), rows - 1),
+                voltage=_pad(run.drive.voltage[:-1], rows - 1),
+                angle=_pad(run.drive.angle - run.drive.angle[0], rows),
+                weight=_pad(np.sqrt(share) / sensors.encoder_sigma, rows),
+                share=_pad(share, rows),
+            )
         )
-        for run in runs
-    ]
     return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
 
 
@@ -170,10 +200,11 @@ def _pad(array: np.ndarray, length: int) -> np.ndarray:
 
 
 def coarse(records: Record, factor: int) -> Record:
-    """The same runs on a coarser grid, for the first steps of a fit.
+    """The same runs on a coarser grid, which is what a fit's Jacobians are made on.
 
     Voltages and knocks become their means over the longer intervals, so that every
-    impulse is kept; encoder angles stay where the new grid has its instants.
+    impulse is kept. An angle becomes the mean of the samples about its instant, and knows
+    as much as these did together.
 
     Args:
         records: Records with a leading axis over the runs.
@@ -186,24 +217,49 @@ def coarse(records: Record, factor: int) -> Record:
     count = -(-inputs.duration.shape[-1] // factor)
     missing = count * factor - inputs.duration.shape[-1]
 
-    def grouped(array: Float[Array, "runs intervals *rest"]) -> Float[Array, "..."]:
-        padded = jnp.pad(array, [(0, 0), (0, missing)] + [(0, 0)] * (array.ndim - 2))
+    def grouped(array: Float[Array, "runs intervals *rest"]) -> Float[np.ndarray, "..."]:
+        array = np.asarray(array)
+        padded = np.pad(array, [(0, 0), (0, missing)] + [(0, 0)] * (array.ndim - 2))
         return padded.reshape(array.shape[0], count, factor, *array.shape[2:])
 
     duration = grouped(inputs.duration)
-    total = jnp.sum(duration, axis=2)
-    share = duration / jnp.where(total > 0, total, 1.0)[:, :, None]
-    kept = jnp.minimum(jnp.arange(count + 1) * factor, inputs.duration.shape[-1])
+    total = np.sum(duration, axis=2)
+    share = duration / np.where(total > 0, total, 1.0)[:, :, None]
+    information = windowed(np.square(records.angle_weight), factor)
+    weighted = windowed(np.square(records.angle_weight) * np.asarray(records.angle), factor)
     return eqx.tree_at(
-        lambda r: (r.inputs, r.angle, r.angle_weight),
+        lambda r: (r.inputs, r.angle, r.angle_weight, r.angle_share),
         records,
         (
             Inputs(
                 duration=total,
-                voltage=jnp.sum(share[..., None] * grouped(inputs.voltage), axis=2),
-                knock=jnp.sum(share * grouped(inputs.knock), axis=2),
+                voltage=np.sum(share[..., None] * grouped(inputs.voltage), axis=2),
+                knock=np.sum(share * grouped(inputs.knock), axis=2),
             ),
-            records.angle[:, kept],
-            records.angle_weight[:, kept],
+            jnp.asarray(weighted / np.where(information > 0, information, 1.0)),
+            jnp.asarray(np.sqrt(information)),
+            jnp.asarray(np.minimum(windowed(records.angle_share, factor), 1.0)),
         ),
     )
+
+
+def windowed(
+    samples: Float[Array | np.ndarray, "runs rows 2"], factor: int
+) -> Float[np.ndarray, "runs instants 2"]:
+    """Sums over the samples about each instant of a coarser grid.
+
+    Args:
+        samples: Something of each sample.
+        factor: How many intervals of the samples are one of the coarser grid.
+
+    Returns:
+        The sums; the first and the last window have half of the width.
+    """
+    samples = np.asarray(samples)
+    intervals = samples.shape[1] - 1
+    before = factor // 2
+    instants = -(-intervals // factor) + 1
+    after = instants * factor - before - samples.shape[1]
+    padded = np.pad(samples, [(0, 0), (before, max(after, 0)), (0, 0)])
+    grouped = padded[:, : instants * factor].reshape(samples.shape[0], instants, factor, 2)
+    return grouped.sum(axis=2)

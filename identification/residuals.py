@@ -94,7 +94,7 @@ def residuals(robot: Robot, circumstances: Circumstances, record: Record) -> Res
 
 
 def encoder_residuals(
-    difference: Float[Array, "rows 2"], weight: Float[Array, " rows"]
+    difference: Float[Array, "rows 2"], weight: Float[Array, "rows 2"]
 ) -> Float[Array, "rows 2"]:
     """Differences of encoder angles over the noise, their arbitrary zero taken out.
 
@@ -105,6 +105,7 @@ def encoder_residuals(
     Returns:
         Residuals about the zero that fits best [1].
     """
-    square = jnp.square(weight)[:, None]
-    zero = jnp.sum(square * difference, axis=0, keepdims=True) / jnp.sum(square)
-    return weight[:, None] * (difference - zero)
+    square = jnp.square(weight)
+    total = jnp.sum(square, axis=0, keepdims=True)
+    zero = jnp.sum(square * difference, axis=0, keepdims=True) / total
+    return weight * (difference - zero)

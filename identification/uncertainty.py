@@ -8,12 +8,20 @@ from jaxtyping import Bool, Float
 from scipy import stats
 
 from scdpr_jax.fields import si
+from scdpr_jax.parameters import quantity
 
 STRETCHES = (1, 4, 40)
 """Neighbouring blocks of a run's score that are summed: a block, a tenth, all of it."""
 
+LEVEL = 0.05
+"""Chance that the scatter of a sandwich alone makes it count [1]."""
+
 WEAK = 0.1
 """Relative standard error from which a value is called weakly identified [1]."""
+
+UNTOLD = 10.0
+"""Relative standard error from which a value that may be zero has no interval [1]: so wide an
+interval says nothing of the robot, only of how the model was extrapolated."""
 
 UNSEEN = 1.0
 """Relative standard error from which a value is called unidentifiable [1]."""
@@ -76,8 +84,8 @@ class Covariance(NamedTuple):
     """Standard errors; infinite for what no run shows."""
     correlation: Float[np.ndarray, "n n"]
     """Correlation by the Gauss-Newton matrix; 0 with what no run shows."""
-    degrees_of_freedom: float
-    """Degrees of freedom of the standard errors."""
+    degrees_of_freedom: Float[np.ndarray, " n"]
+    """Degrees of freedom of the standard errors; infinite where the noise alone gives them."""
 
 
 def covariance(
@@ -87,14 +95,18 @@ def covariance(
 ) -> Covariance:
     r"""Standard errors that hold for residuals that are correlated in time.
 
-    An encoder's rounding stands still as long as the robot does, and an unmodelled force
-    acts for as long as it pleases: neighbouring residuals aren't independent. The sandwich
+    Noise of the stated size that is independent from sample to sample gives
+    $(J^TJ)^{-1}$. An unmodelled force acts for as long as it pleases, and what a drive's
+    encoder rounds stands for as long as the drive does: then neighbouring residuals aren't
+    independent. The sandwich
 
     $$ C = (J^TJ)^{-1} \Big( \sum_g s_g s_g^T \Big) (J^TJ)^{-1} $$
 
     takes the scores $s_g$ of whole stretches $g$ of a run together. A short stretch
-    misses slow correlation, a long one leaves few stretches to average over, so the
-    largest of several answers is reported, and never less than independent noise gives.
+    misses slow correlation, a long one leaves few stretches to average over, whose spread
+    is itself uncertain: a sandwich counts where it exceeds the noise's answer by more than
+    its own scatter allows, and then the widest of those that do, with Student's
+    distribution of as many degrees of freedom as it has stretches, less one.
 
     Reference: A. C. Cameron, D. L. Miller, "A practitioner's guide to cluster-robust
     inference", J. Human Resources 50(2), 2015, doi:10.3368/jhr.50.2.317.
@@ -111,19 +123,51 @@ def covariance(
     scale = 1 / np.sqrt(np.diag(matrix)[at])
     scaled = matrix[np.ix_(at, at)] * np.outer(scale, scale)
     inverse = np.linalg.pinv(scaled, hermitian=True)
-    variances = [np.diag(inverse)]
+    white = np.diag(inverse)
+    variance, freedom = white.copy(), np.full(at.size, np.inf)
     for length in STRETCHES:
         runs, blocks, size = scores.shape
         grouped = scores.reshape(runs * blocks // length, length, size).sum(axis=1)
         pulls = (grouped[:, at] * scale) @ inverse
-        active = np.count_nonzero(np.any(grouped != 0, axis=1))
-        variances.append(np.sum(np.square(pulls), axis=0) * active / max(active - 1, 1))
-    sigma = np.full(seen.size, np.inf)
-    sigma[at] = scale * np.sqrt(np.max(variances, axis=0))
+        groups = np.count_nonzero(np.any(grouped != 0, axis=1))
+        if groups < 2:
+            continue
+        found = np.sum(np.square(pulls), axis=0) * groups / (groups - 1)
+        scatter = stats.chi2.ppf(1 - LEVEL, groups - 1) / (groups - 1)
+        wider = _width(found, groups - 1.0) > _width(variance, freedom)
+        taken = (found > scatter * white) & wider
+        variance = np.where(taken, found, variance)
+        freedom = np.where(taken, groups - 1.0, freedom)
+    sigma, degrees = np.full(seen.size, np.inf), np.full(seen.size, np.inf)
+    sigma[at], degrees[at] = scale * np.sqrt(variance), freedom
     correlation = np.eye(seen.size)
-    spread = np.sqrt(np.diag(inverse))
+    spread = np.sqrt(white)
     correlation[np.ix_(at, at)] = inverse / np.outer(spread, spread)
-    return Covariance(sigma, correlation, float(max(scores.shape[0] - 1, 1)))
+    return Covariance(sigma, correlation, degrees)
+
+
+def _width(
+    variance: Float[np.ndarray, " n"], freedom: Float[np.ndarray, " n"] | float
+) -> Float[np.ndarray, " n"]:
+    """Half widths of 95 % intervals."""
+    return np.sqrt(variance) * stats.t.ppf(0.975, freedom)
+
+
+def is_untold(name: str, number: float, sigma: float) -> bool:
+    """Whether the data say so little of a quantity that no interval is given.
+
+    Args:
+        name: Name of the quantity.
+        number: Its value [SI].
+        sigma: Its standard error as a fit holds it: relative for what must be positive,
+            which from `UNSEEN` on isn't known within a factor of three either way.
+
+    Returns:
+        Whether it is so.
+    """
+    if quantity(name).positive:
+        return sigma >= UNSEEN
+    return not np.isfinite(sigma) or sigma >= UNTOLD * abs(number) > 0
 
 
 def judge(value: float, sigma: float, *, at_bound: bool) -> str:

@@ -26,6 +26,9 @@ DEFAULT_FREE = (
 )
 """What is estimated unless the caller chooses otherwise."""
 
+FOLLOWS = {"upper_friction_coefficient": "friction_coefficient"}
+"""Quantities that have the value of another one as long as they aren't free."""
+
 CIRCUMSTANCES = ("lower", "upper", "height", "knock", "clock_offset")
 """What is estimated of each run, in the order of `Circumstances`."""
 
@@ -42,6 +45,8 @@ class Unknowns:
     """Which shared unknown each run's free quantity is."""
     active: Bool[np.ndarray, "runs 5"]
     """Which circumstances each run leaves open."""
+    opened: Bool[np.ndarray, " shared"]
+    """Which shared unknowns the fit may change; the others keep their values."""
 
     @property
     def size(self) -> int:
@@ -68,17 +73,22 @@ class Unknowns:
         """
         bounds = np.full(self.size, -np.inf)
         for index, (name, _) in enumerate(self.shared):
-            if not quantity(name).positive:
+            if not (quantity(name).positive or quantity(name).signed):
                 bounds[index] = 0.0
         return bounds
 
 
-def layout(runs: Sequence[Run], free: tuple[str, ...]) -> Unknowns:
+def layout(
+    runs: Sequence[Run], free: tuple[str, ...], *, opened: Sequence[str] | None = None
+) -> Unknowns:
     """The unknowns of a set of runs.
 
     Args:
         runs: The runs to fit.
         free: Names of the quantities to estimate.
+        opened: Those of them that a fit may change, None for all: models that free
+            different quantities then share what is compiled for `free`. The upper
+            carriage's friction, if it isn't opened, follows the lower one's.
 
     Returns:
         Their layout; motor steps leave no circumstances open.
@@ -92,11 +102,17 @@ def layout(runs: Sequence[Run], free: tuple[str, ...]) -> Unknowns:
         raise ValueError(f"`free` names a quantity twice, got {', '.join(free)}.")
     cabled = [run for run in runs if run.kind != "motor_step"] or runs
     settings = sorted({(run.pretension, run.pretension_label) for run in cabled})
+    chosen = free if opened is None else tuple(opened)
+    followed = {
+        follower: leader
+        for follower, leader in FOLLOWS.items()
+        if follower in free and follower not in chosen and leader in free
+    }
     shared: list[tuple[str, str | None]] = []
     for name in free:
         if name == PER_SETTING:
             shared.extend((name, label) for _, label in settings)
-        else:
+        elif name not in followed:
             shared.append((name, None))
     labels = {label for _, label in settings}
 
@@ -106,12 +122,16 @@ def layout(runs: Sequence[Run], free: tuple[str, ...]) -> Unknowns:
         # Without the cable any setting will do: the run doesn't depend on it.
         return run.pretension_label if run.pretension_label in labels else settings[0][1]
 
-    local = [[shared.index((name, setting(run, name))) for name in free] for run in runs]
+    local = [
+        [shared.index((followed.get(name, name), setting(run, name))) for name in free]
+        for run in runs
+    ]
     return Unknowns(
         free=free,
         shared=tuple(shared),
         local=np.array(local, dtype=int).reshape(len(runs), len(free)),
         active=np.array([_open(run) for run in runs]).reshape(len(runs), 5),
+        opened=np.array([name in chosen for name, _ in shared], dtype=bool),
     )
 
 

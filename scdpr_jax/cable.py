@@ -76,7 +76,9 @@ def paths(robot: Robot, position: Float[Array, "5"]) -> Paths:
 def potential(robot: Robot, position: Float[Array, "5"]) -> Float[Array, ""]:
     r"""Potential of the loop and of gravity [J], whose gradient Eqs. (7), (8), (16) are.
 
-    $$ V = 2T(\ell_\alpha + \ell_\beta + \ell_\gamma) + m_e g y_e $$
+    $$ V = 2T(\ell_\alpha + \ell_\beta + \ell_\gamma) + k \lambda^2 / 2 + m_e g y_e $$
+
+    with the loop's lengthening $\lambda$ and its stiffness $k$, zero by default.
 
     Args:
         robot: The robot.
@@ -87,7 +89,25 @@ def potential(robot: Robot, position: Float[Array, "5"]) -> Float[Array, ""]:
     """
     alpha, beta, gamma = paths(robot, position)
     loop = 2 * robot.cable.effective_pretension * (alpha.length + beta.length + gamma.length)
-    return loop + robot.end_effector.mass * robot.gravity * position[4]
+    spring = robot.cable.stiffness * jnp.square(lengthening(robot, position)) / 2
+    return loop + spring + robot.end_effector.mass * robot.gravity * position[4]
+
+
+def lengthening(robot: Robot, position: Float[Array, "5"]) -> Float[Array, ""]:
+    r"""How much longer the loop's path is than with everything aligned.
+
+    $$ \lambda = 2(\ell_\alpha + \ell_\beta + \ell_\gamma) - 2(2H - a - b) $$
+
+    Args:
+        robot: The robot.
+        position: Coordinates $[x_e, \delta_e, q_3, q_4, y_e]$ [m, rad, m, m, m].
+
+    Returns:
+        The lengthening [m].
+    """
+    body = robot.end_effector
+    aligned = 2 * robot.frame.height - body.lower_offset - body.upper_offset
+    return 2 * (sum(path.length for path in paths(robot, position)) - aligned)
 
 
 def cable_angles(robot: Robot, position: Float[Array, "5"]) -> Float[Array, "3"]:
@@ -137,6 +157,8 @@ def loop_forces(robot: Robot, position: Float[Array, "5"]) -> LoopForces:
        N_3 &= 2T(\cos\gamma + \cos\alpha), \quad N_4 = 2T(\cos\gamma + \cos\beta)
        \end{aligned} $$
 
+    with $T + k\lambda$ in place of $T$ where the loop has a stiffness.
+
     Args:
         robot: The robot.
         position: Coordinates $[x_e, \delta_e, q_3, q_4, y_e]$ [m, rad, m, m, m].
@@ -155,12 +177,16 @@ def loop_forces(robot: Robot, position: Float[Array, "5"]) -> LoopForces:
         [sin_a - sin_b, lower_arm + upper_arm, -sin_g - sin_a, sin_g + sin_b, cos_b - cos_a]
     )
     normal = jnp.stack([cos_g + cos_a, cos_g + cos_b])
-    tension = 2 * robot.cable.effective_pretension
+    cable = robot.cable
+    tension = 2 * (cable.effective_pretension + cable.stiffness * lengthening(robot, position))
     return LoopForces(tension * pull, tension * normal)
 
 
 def carriage_stiffness(robot: Robot, position: Float[Array, "5"]) -> Float[Array, "2 5"]:
     r"""How the loop resists the carriages: their rows of the potential's Hessian.
+
+    At the pretension: the loop's own stiffness, whose part is of second order in the
+    inclinations, is left out.
 
     Args:
         robot: The robot.

@@ -144,7 +144,7 @@ def smooth_forces(
         Forces on the coordinates [N, N m, N, N, N].
     """
     drive = robot.drive
-    dry = drive.friction * jnp.tanh(pulley_rates(robot, velocity) / drive.friction_width)
+    dry = drive.frictions * jnp.tanh(pulley_rates(robot, velocity) / drive.friction_width)
     pull = loop.pull + gravity_force(robot)
     knocked = pull.at[0].add(knock)
     return knocked + drive_forces(robot, torque - dry) - dampings(robot) * velocity

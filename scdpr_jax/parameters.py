@@ -49,10 +49,14 @@ class Carriage(eqx.Module):
 
 
 class Cable(eqx.Module):
-    """The single cable loop, inextensible and of constant tension."""
+    """The single cable loop, inextensible; of constant tension unless it has a stiffness."""
 
     effective_pretension: Float[Array, "..."] = eqx.field(converter=real, metadata=si("N", "T"))
     """Effective pretension $T$ [N]: what the model needs, not the tensioner's setting."""
+    stiffness: Float[Array, "..."] = eqx.field(
+        default=0.0, converter=real, metadata=si("N/m", "k")
+    )
+    """Rise of the tension per lengthening of the loop's path [N/m]: the tensioner's."""
 
 
 class Drive(eqx.Module):
@@ -80,6 +84,16 @@ class Drive(eqx.Module):
     """Torque at the output shaft per ampere of motor current [N m/A]."""
     voltage_limit: Float[Array, "..."] = eqx.field(converter=real, metadata=si("V", r"V_{max}"))
     """Largest command of either sign [V]."""
+    friction_difference: Float[Array, "..."] = eqx.field(
+        default=0.0, converter=real, metadata=si("N m", r"\Delta\tau_f")
+    )
+    r"""Dry friction torque of the second drive minus that of the first [N m]."""
+
+    @property
+    def frictions(self) -> Float[Array, "2"]:
+        """Dry friction torques of the two drives [N m]."""
+        half = self.friction_difference / 2
+        return jnp.stack([self.friction - half, self.friction + half])
 
 
 class Robot(eqx.Module):
@@ -112,6 +126,8 @@ class Quantity(NamedTuple):
     """What it is, for a table."""
     positive: bool = True
     """Whether it must be above zero; otherwise it may be zero."""
+    signed: bool = False
+    """Whether it may be below zero, too."""
 
 
 QUANTITIES: tuple[Quantity, ...] = (
@@ -205,12 +221,58 @@ QUANTITIES: tuple[Quantity, ...] = (
 )
 """Every quantity of a robot that has a name in the file formats."""
 
+REFINEMENTS: tuple[Quantity, ...] = (
+    Quantity(
+        "upper_friction_coefficient",
+        "1",
+        r"\mu_4",
+        lambda r: (r.upper_carriage.friction.coefficient,),
+        "friction coefficient of the upper carriage, where it has its own",
+        positive=False,
+    ),
+    Quantity(
+        "drive_friction_difference",
+        "N m",
+        r"\Delta\tau_f",
+        lambda r: (r.drive.friction_difference,),
+        "dry friction of the second drive minus that of the first",
+        positive=False,
+        signed=True,
+    ),
+    Quantity(
+        "loop_stiffness",
+        "N/m",
+        "k",
+        lambda r: (r.cable.stiffness,),
+        "rise of the loop's tension per lengthening of its path",
+        positive=False,
+    ),
+    Quantity(
+        "lower_carriage_damping",
+        "N s/m",
+        "d_3",
+        lambda r: (r.lower_carriage.friction.viscous,),
+        "viscous damping of the lower carriage",
+        positive=False,
+    ),
+    Quantity(
+        "upper_carriage_damping",
+        "N s/m",
+        "d_4",
+        lambda r: (r.upper_carriage.friction.viscous,),
+        "viscous damping of the upper carriage",
+        positive=False,
+    ),
+)
+"""What a fit may free besides: `campaign.toml` doesn't state it, and it refines a quantity
+of `QUANTITIES`, so it is replaced after those."""
+
 
 def quantity(name: str) -> Quantity:
     """The named quantity.
 
     Args:
-        name: A name of `QUANTITIES`.
+        name: A name of `QUANTITIES` or `REFINEMENTS`.
 
     Returns:
         The quantity of that name.
@@ -218,10 +280,10 @@ def quantity(name: str) -> Quantity:
     Raises:
         ValueError: If there is none.
     """
-    for candidate in QUANTITIES:
+    for candidate in (*QUANTITIES, *REFINEMENTS):
         if candidate.name == name:
             return candidate
-    names = ", ".join(candidate.name for candidate in QUANTITIES)
+    names = ", ".join(candidate.name for candidate in (*QUANTITIES, *REFINEMENTS))
     raise ValueError(f"unknown quantity {name!r}, expected one of: {names}.")
 
 
@@ -254,7 +316,8 @@ def replace(robot: Robot, values: dict[str, Any]) -> Robot:
     Raises:
         ValueError: If a name is unknown.
     """
-    for name, number in values.items():
+    refining = {refinement.name for refinement in REFINEMENTS}
+    for name, number in sorted(values.items(), key=lambda item: item[0] in refining):
         leaves = quantity(name).leaves
         number = jnp.asarray(number, dtype=leaves(robot)[0].dtype)
         robot = eqx.tree_at(leaves, robot, (number,) * len(leaves(robot)))

@@ -23,8 +23,8 @@ def calibrate(
         out: Folder for parameters.json, frequencies.csv, tuning.json and report.html.
         skip_bad_runs: Go on without runs that have faults, and say which.
         free: Quantities to estimate; default: friction, drive inertia and damping, and
-            the effective pretension of each setting; the drives' dry friction too where
-            the residuals ask for it.
+            the effective pretension of each setting, and where these leave more than noise
+            those of the model that explains the rest best.
         hold_out: Runs to predict instead of fitting them; default: the manoeuvre that
             goes the furthest. Give it without a name to fit every run.
     """

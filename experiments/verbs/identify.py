@@ -15,6 +15,7 @@ def identify(
     skip_bad_runs: bool = False,
     free: tuple[str, ...] = (),
     hold_out: tuple[str, ...] = (),
+    profile: bool = False,
 ) -> int:
     """Estimate the robot's parameters from all runs of a campaign.
 
@@ -23,22 +24,30 @@ def identify(
         out: Folder for parameters.json.
         skip_bad_runs: Go on without runs that have faults, and say which.
         free: Quantities to estimate; default: friction, drive inertia and damping, and
-            the effective pretension of each setting.
+            the effective pretension of each setting, and where these leave more than noise
+            those of the model that explains the rest best.
         hold_out: Runs to predict instead of fitting them.
+        profile: Trace the misfit along every quantity, too: whether it is bounded on both
+            sides, on one, or on none. Takes as long again.
     """
     set_up()
     from experiments import summary
     from experiments.parameters_file import write_parameters
     from identification.campaign import read_campaign
     from identification.estimate import estimate
-    from identification.unknowns import DEFAULT_FREE
+    from identification.profile import profiles
+    from identification.selection import select
 
     require_outside(out, campaign)
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
-        found = estimate(read, free=free or DEFAULT_FREE, hold_out=hold_out, progress=progress)
-    write_parameters(out / "parameters.json", found)
-    summary.show(OUT, found, campaign=read)
+        if free:
+            found = estimate(read, free=free, hold_out=hold_out, progress=progress)
+        else:
+            found = select(read, hold_out=hold_out, progress=progress)
+        traced = profiles(read, found) if profile else ()
+    write_parameters(out / "parameters.json", found, traced)
+    summary.show(OUT, found, campaign=read, profiles=traced)
     wrote(out / "parameters.json")
     suggest(f"scdpr frequencies {campaign} --out {out}")
     return DONE

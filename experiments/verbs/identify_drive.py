@@ -19,6 +19,7 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     set_up()
     from experiments import report, summary
     from experiments.parameters_file import write_axis_parameters
+    from identification.axis_law import compare_axis_laws
     from identification.axis_log import read_axis_log
     from identification.drive_axis import estimate_drive_axis
     from identification.quantities import parse_quantity
@@ -27,8 +28,9 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     read = read_axis_log(log)
     with ERRORS.status("open-loop fits from several starts, some ten seconds"):
         found = estimate_drive_axis(read, gain=force, delay_samples=delay_samples)
-    write_axis_parameters(out / "parameters.json", found)
-    report.write_drive_report(out / "report.html", log=read, estimate=found)
-    summary.show_axis(OUT, found, position_unit=read.position_unit)
+        laws = compare_axis_laws(read, found, gain=force, delay_samples=delay_samples)
+    write_axis_parameters(out / "parameters.json", found, laws)
+    report.write_drive_report(out / "report.html", log=read, estimate=found, laws=laws)
+    summary.show_axis(OUT, found, laws, position_unit=read.position_unit)
     wrote(out / "parameters.json", out / "report.html")
     return DONE if found.converged else FELL_SHORT

@@ -7,7 +7,10 @@ from identification.campaign.types import CameraStream, Campaign, DriveStream, K
 from identification.comparison import Channel, Comparison
 from identification.estimate import Estimate, Fit
 from identification.frequency_map import FrequencyMap
+from identification.identifiability import Combination, Identifiability
+from identification.models import Model
 from identification.residuals import Circumstances
+from identification.starts import Valley
 from identification.uncertainty import ParameterEstimate
 from scdpr_jax.controller import PD
 from scdpr_jax.prototype import consistent
@@ -165,7 +168,40 @@ def skipped_run():
     return (("0009-x", (fault,)),)
 
 
-def estimate(*, off=0.0, held_out=True, parameters=None):
+def identifiability(parameters):
+    names = tuple((p.name, p.setting) for p in parameters)
+    count = len(names)
+    return Identifiability(
+        names=names,
+        runs=("0001-manoeuvre", "0004-motor-step"),
+        moved=np.arange(4.0 * count).reshape(2, 2, count),
+        alone=np.full(count, 1e-3),
+        together=np.full(count, 0.2),
+        combinations=(
+            Combination(names, tuple(np.eye(count)[0]), 1e-3),
+            Combination(names, tuple(np.full(count, count**-0.5)), 0.35),
+        ),
+    )
+
+
+def compared_models():
+    """The usual model and one that knows more, which is the better one."""
+    usual = ("friction_coefficient", "effective_pretension")
+    return (
+        Model((), usual, 2.5, 3500.0, 3520.0, 1200.0, 7.7e-3),
+        Model(
+            ("a tension that rises as the loop's path gets longer",),
+            (*usual, "loop_stiffness"),
+            2.4,
+            3300.0,
+            3330.0,
+            1100.0,
+            2.3e-3,
+        ),
+    )
+
+
+def estimate(*, off=0.0, held_out=True, parameters=None, models=()):
     parameters = estimated_parameters() if parameters is None else parameters
     fixed = parameter("frame_width", 2.224, 0.0, unit="m", status="fixed")
     return Estimate(
@@ -181,11 +217,15 @@ def estimate(*, off=0.0, held_out=True, parameters=None):
         ),
         fit=Fit(
             starts=(1.0, 1.1),
+            valleys=(Valley("350 N", 85.2, 0.0132, 1.1), Valley("350 N", 197.0, 0.006, 3.4)),
             iterations=7,
             ended="converged",
             misfit=0.0,
-            measurements=4321,
+            measurements=4321.0,
         ),
+        identifiability=identifiability(parameters),
+        models=models,
+        choice=max(len(models) - 1, 0),
     )
 
 

@@ -1,3 +1,4 @@
+import dataclasses
 import io
 import re
 
@@ -8,9 +9,10 @@ from rich.console import Console
 
 from experiments import summary
 from experiments.drive_report import write_drive_report
+from identification.axis_law import AxisLaws
 from identification.axis_log import AxisLog
 from identification.axis_motion import AxisParameters
-from identification.drive_axis import DriveAxisEstimate
+from identification.drive_axis import EXTENDED_NAMES, DriveAxisEstimate
 
 
 def printed(show, *args, **kwargs):
@@ -37,6 +39,19 @@ def axis():
         converged=True,
     )
     return log, found
+
+
+def laws(found, *, ahead):
+    extended = dataclasses.replace(
+        found,
+        parameters=AxisParameters(93.5, 195.4, 21.3, 0.1, -83.0),
+        sigma=AxisParameters(0.5, 2.0, 0.2, 0.1, 4.0),
+        interval95=jnp.concatenate([found.interval95, jnp.array([[-90.8, -75.2]])]),
+        correlation=jnp.eye(5),
+        status=(*found.status, "identified"),
+        names=EXTENDED_NAMES,
+    )
+    return AxisLaws(usual_ahead=7e-3, extended_ahead=ahead, extended=extended)
 
 
 def test_truth_stands_beside_the_estimate():
@@ -75,7 +90,7 @@ def test_frequencies_are_printed_with_their_errors():
 
 
 def test_an_axis_is_printed_with_its_units():
-    text = printed(summary.show_axis, axis()[1])
+    text = printed(summary.show_axis, axis()[1], laws(axis()[1], ahead=6.9e-3))
     line = next(line for line in text.splitlines() if line.startswith("viscous"))
     assert "203.5" in line
     assert "N s/m" in line
@@ -84,9 +99,24 @@ def test_an_axis_is_printed_with_its_units():
 
 def test_the_report_of_an_axis_needs_nothing_else_and_has_its_numbers(tmp_path):
     log, found = axis()
-    write_drive_report(tmp_path / "report.html", log=log, estimate=found)
+    write_drive_report(
+        tmp_path / "report.html", log=log, estimate=found, laws=laws(found, ahead=5.9e-3)
+    )
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "http" not in page
     assert "1.20 mm rms" in page
     assert page.count("<svg") == 2
     assert "203.5 N s/m, 95 % from 199.6 to 207.4 (identified)" in page
+
+
+def test_an_extended_law_is_offered_where_held_out_data_prefer_it_alone():
+    _, found = axis()
+
+    def told(ahead):
+        # A narrow console breaks lines anywhere.
+        return " ".join(printed(summary.show_axis, found, laws(found, ahead=ahead)).split())
+
+    enough, better = told(6.9e-3), told(5.9e-3)
+    assert "the usual law is enough" in enough
+    assert "what was held out prefers the extended law" in better
+    assert "viscous friction forwards minus backwards −83.0 N s/m" in better

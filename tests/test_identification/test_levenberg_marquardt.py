@@ -1,7 +1,12 @@
 import numpy as np
 import pytest
 
-from identification.levenberg_marquardt import Normal, free_unknowns, minimise
+from identification.levenberg_marquardt import (
+    Normal,
+    free_unknowns,
+    minimise,
+    minimise_together,
+)
 
 
 def normal(residual, jacobian):
@@ -87,3 +92,15 @@ def test_running_out_of_iterations_is_said(iterations):
         rosenbrock, np.array([-1.2, 1.0]), lower=NO_BOUND, iterations=iterations, decrement=1e-9
     )
     assert found.ended == "unfinished"
+
+
+def test_starts_that_go_together_end_where_each_would_alone():
+    starts = [np.array([-1.2, 1.0]), np.array([2.0, -1.0]), np.array([0.0, 0.0])]
+    options = {"lower": NO_BOUND, "iterations": 60, "decrement": 1e-16}
+    together = minimise_together(
+        lambda points: [rosenbrock(point) for point in points], starts, **options
+    )
+    for start, found in zip(starts, together, strict=True):
+        alone = minimise(rosenbrock, start, **options)
+        np.testing.assert_array_equal(found.point, alone.point)
+        assert (found.iterations, found.ended) == (alone.iterations, alone.ended)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from identification.uncertainty import covariance, half_width, judge
+from identification.uncertainty import covariance, half_width, is_untold, judge
 
 RUNS, BLOCKS, SAMPLES = 12, 40, 10
 
@@ -24,7 +24,8 @@ def coverage(make_noise, draws=200):
         )
         matrix, scores, estimate = regression(make_noise(random), design)
         found = covariance(matrix, scores, np.array([True, True]))
-        half = np.array([half_width(s, 0.95, found.degrees_of_freedom) for s in found.sigma])
+        both = zip(found.sigma, found.degrees_of_freedom, strict=True)
+        half = np.array([half_width(s, 0.95, freedom) for s, freedom in both])
         inside += np.count_nonzero(np.abs(estimate) <= half)
     return inside / (2 * draws)
 
@@ -60,6 +61,21 @@ def test_what_no_run_shows_has_no_standard_error():
     assert found.sigma[0] == 0.5
     assert np.isinf(found.sigma[1])
     assert half_width(found.sigma[1], 0.95, 3.0) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "sigma", "untold"),
+    [
+        ("drive_inertia", 0.01, 0.5, False),
+        ("drive_inertia", 0.01, 1.5, True),
+        ("friction_coefficient", 0.01, 0.05, False),
+        ("friction_coefficient", 0.01, 0.2, True),
+        ("friction_coefficient", 0.01, np.inf, True),
+        ("drive_friction", 0.0, 0.01, False),
+    ],
+)
+def test_an_interval_that_says_nothing_of_the_robot_is_not_given(name, number, sigma, untold):
+    assert is_untold(name, number, sigma) == untold
 
 
 @pytest.mark.parametrize(

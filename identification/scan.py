@@ -1,8 +1,4 @@
-"""Where a fit begins: the best valleys of a scan.
-
-The vibration's phase wraps, so a fit that starts at the wrong pretension ends in a local
-minimum. A scan over pretension and friction force on a coarse grid finds the valleys.
-"""
+"""Misfits of many simulations side by side: the scans that a fit's starts come from."""
 
 from collections.abc import Sequence
 
@@ -18,15 +14,6 @@ from identification.record import Record
 
 LANES = 240
 """Simulations side by side; a fixed number, so that one compilation serves every scan."""
-
-PRETENSIONS = tuple(float(t) for t in 15 * 1.06 ** np.arange(68))
-"""Effective pretensions to try [N]: 6 % apart, as far as the phase of a few periods goes."""
-
-FRICTION_FORCES = tuple(float(f) for f in 0.6 * 1.5 ** np.arange(9))
-"""Friction forces of a carriage to try, 4Tμ [N]."""
-
-KNOCKS = tuple(float(f) for s in (-1, 1) for f in s * 2.0 * 1.25 ** np.arange(20))
-"""Forces of a knock to try [N]."""
 
 
 @eqx.filter_jit
@@ -53,7 +40,7 @@ def costs(
     def one(unknown: Float[Array, " n"], number: Int[Array, ""]) -> Float[Array, ""]:
         chosen = jax.tree.map(lambda leaf: leaf[number], records)
         found = run_residuals(robot, free, unknown, chosen)
-        rows = jnp.full(2, jnp.sum(chosen.angle_weight > 0))
+        rows = jnp.sum(chosen.angle_share, axis=0)
         frames = jnp.sum(chosen.frame_weight > 0, axis=0)
         duration = jnp.sum(chosen.inputs.duration)
         angle = channel_misfit(found.angle, rows, duration)
@@ -61,8 +48,7 @@ def costs(
         misfit = jnp.sum(angle.cost) + jnp.sum(frame.cost)
         return jnp.where(jnp.isfinite(misfit), misfit, jnp.inf)
 
-    lanes = jax.tree.map(lambda leaf: leaf.reshape(-1, LANES, *leaf.shape[1:]), (unknowns, run))
-    return jax.lax.map(lambda lane: jax.vmap(one)(*lane), lanes).reshape(-1)
+    return jax.vmap(one)(unknowns, run)
 
 
 def scan(
@@ -84,5 +70,14 @@ def scan(
     padding = -count % LANES
     unknowns = np.concatenate([unknowns, np.repeat(unknowns[:1], padding, axis=0)])
     numbers = np.concatenate([np.asarray(run), np.repeat(run[0], padding)])
-    found = costs(robot, free, jnp.asarray(unknowns), jnp.asarray(numbers), records)
-    return np.asarray(found)[:count]
+    found = [
+        costs(
+            robot,
+            free,
+            jnp.asarray(unknowns[first : first + LANES]),
+            jnp.asarray(numbers[first : first + LANES]),
+            records,
+        )
+        for first in range(0, len(numbers), LANES)
+    ]
+    return np.concatenate([np.asarray(part) for part in found])[:count]

@@ -1,0 +1,378 @@
+"""A campaign prepared for fitting: its runs as arrays, and their normal equations."""
+
+import dataclasses
+import itertools
+from collections.abc import Callable, Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from identification.accumulate import MotorRecord, RunSums, assemble, motor_sums, run_sums
+from identification.campaign.types import Campaign, Run
+from identification.comparison import predictions
+from identification.levenberg_marquardt import (
+    Minimum,
+    Normal,
+    minimise,
+    minimise_together,
+)
+from identification.record import Record, coarse, motor_record, stacked, windowed
+from identification.start import Clock, clocks
+from identification.unknowns import Unknowns, layout, start_values
+from scdpr_jax.parameters import Robot, value
+
+COARSE_STEP = 5e-3
+"""Step that Jacobians are made at [s]: the engine's own error at it is some 1 µm."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Problem:
+    """A campaign prepared for fitting; `rough` is what is minimised, `records` is exact."""
+
+    runs: tuple[Run, ...]
+    """All runs."""
+    prior: Robot
+    """The robot with what isn't free, and the start of what is."""
+    unknowns: Unknowns
+    """The layout of the fit's vector."""
+    held_out: frozenset[int]
+    """Numbers of the runs that say nothing about the shared quantities."""
+    cabled: tuple[int, ...]
+    """Numbers of the runs with the cable on, in the order of `records`."""
+    clocks: tuple[Clock, ...]
+    """What is known of the camera's clock in each of those."""
+    records: Record | None
+    """The runs with the cable on, on the logs' own grid; None without any."""
+    rough: Record | None
+    """The same on a grid of about `COARSE_STEP`."""
+    factor: int
+    """How many intervals of `records` are one of `rough`."""
+    motors: tuple[int, ...]
+    """Numbers of the runs of the bare drives."""
+    motor_records: MotorRecord | None
+    """Those runs; None without any."""
+
+    @classmethod
+    def of(
+        cls, campaign: Campaign, prior: Robot, free: tuple[str, ...], hold_out: frozenset[str]
+    ) -> "Problem":
+        """The problem of a campaign.
+
+        Args:
+            campaign: The campaign.
+            prior: The robot with what isn't free, and the start of what is.
+            free: Names of the free quantities.
+            hold_out: Names of the runs to hold out.
+
+        Returns:
+            The problem.
+
+        Raises:
+            ValueError: If a name is unknown, or nothing tells where a run started.
+        """
+        runs, sensors = campaign.runs, campaign.sensors
+        held_out = frozenset(runs.index(campaign.run(name)) for name in hold_out)
+        motors = tuple(i for i, run in enumerate(runs) if run.kind == "motor_step")
+        cabled = tuple(i for i in range(len(runs)) if i not in motors)
+        radius = float(value(prior, "effective_radius"))
+        known = clocks([runs[i] for i in cabled], sensors, radius)
+        height = float(value(prior, "frame_height"))
+        records, rough, factor = None, None, 1
+        if cabled:
+            records = stacked([runs[i] for i in cabled], known, sensors, height=height)
+            duration = np.asarray(records.inputs.duration)
+            factor = max(1, round(COARSE_STEP / float(np.median(duration[duration > 0]))))
+            rough = coarse(records, factor)
+        return cls(
+            runs=runs,
+            prior=prior,
+            unknowns=layout(runs, free),
+            held_out=held_out,
+            cabled=cabled,
+            clocks=known,
+            records=records,
+            rough=rough,
+            factor=factor,
+            motors=motors,
+            motor_records=motor_record([runs[i] for i in motors], sensors) if motors else None,
+        )
+
+    def at_rest(self) -> Float[np.ndarray, " n"]:
+        """The point of the prior robot, every run starting where it was seen to."""
+        unknowns = self.unknowns
+        point = np.concatenate(
+            [start_values(self.prior, unknowns), np.zeros(5 * len(self.runs))]
+        )
+        for row, run in enumerate(self.cabled):
+            point[self.own(run)[:3]] = self.records.known[row, :3]
+        return point
+
+    def own(self, run: int) -> np.ndarray:
+        """Where a run's circumstances stand in the fit's vector.
+
+        Args:
+            run: Number of the run.
+
+        Returns:
+            Five indices, in the order of `Circumstances`.
+        """
+        return self.unknowns.of_run(run)[len(self.unknowns.free) :]
+
+    def fitted(self) -> list[int]:
+        """Numbers of the runs that say something about the shared quantities."""
+        return [run for run in (*self.cabled, *self.motors) if run not in self.held_out]
+
+    def measurements(self) -> float:
+        """How many independent measurements the fitted runs hold."""
+        count = 0.0
+        for row, run in enumerate(self.cabled):
+            if run not in self.held_out:
+                count += float(jnp.sum(self.rough.angle_share[row]))
+                count += float(jnp.sum(self.rough.frame_weight[row] > 0))
+        for row, run in enumerate(self.motors):
+            if run not in self.held_out:
+                count += float(jnp.sum(self.motor_records.share[row]))
+        return count
+
+    def sums(
+        self, points: Sequence[Float[np.ndarray, " n"]], rows: Sequence[Sequence[int]]
+    ) -> list[RunSums]:
+        """What some runs with the cable on add at each of some points.
+
+        Points and runs are simulated side by side, as many as there are runs, so that one
+        compiled function serves every use.
+
+        Args:
+            points: Vectors of the fit.
+            rows: For each point the rows of `records` to look at.
+
+        Returns:
+            For each point the sums of its rows.
+        """
+        lanes = [(point, row) for point, own in zip(points, rows, strict=True) for row in own]
+        size, parts = len(self.cabled), []
+        for first in range(0, len(lanes), size):
+            chunk = lanes[first : first + size]
+            filled = chunk + [chunk[-1]] * (size - len(chunk))
+            vectors = [x[self.unknowns.of_run(self.cabled[row])] for x, row in filled]
+            found = run_sums(
+                self.prior,
+                self.unknowns.free,
+                jnp.asarray(np.stack(vectors)),
+                jnp.asarray([row for _, row in filled]),
+                self.rough,
+            )
+            kept = slice(len(chunk))
+            parts.append(jax.tree.map(lambda leaf, kept=kept: np.asarray(leaf)[kept], found))
+        whole = jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
+        ends = np.cumsum([0, *map(len, rows)])
+        return [
+            jax.tree.map(lambda leaf, a=a, b=b: leaf[a:b], whole)
+            for a, b in itertools.pairwise(ends)
+        ]
+
+    def motor_sums(self, point: Float[np.ndarray, " n"]) -> RunSums:
+        """What the runs of the bare drives add at a point.
+
+        Args:
+            point: Vector of the fit.
+
+        Returns:
+            The sums of each of them.
+        """
+        own = jnp.asarray(np.stack([point[self.unknowns.local[i]] for i in self.motors]))
+        found = motor_sums(self.prior, self.unknowns.free, own, self.motor_records)
+        return jax.tree.map(np.asarray, found)
+
+    def evaluate(
+        self, point: Float[np.ndarray, " n"], *, held_out: bool = False
+    ) -> tuple[Normal, Float[np.ndarray, "runs blocks n"]]:
+        """Normal equations and scores of the fitted runs, or of those held out.
+
+        Args:
+            point: Vector of the fit.
+            held_out: Whether to look at the runs held out, whose circumstances alone are
+                then open, instead of at the fitted ones.
+
+        Returns:
+            Both, over all unknowns.
+        """
+        parts = []
+        chosen = [k for k, i in enumerate(self.cabled) if (i in self.held_out) == held_out]
+        if chosen:
+            (sums,) = self.sums([point], [chosen])
+            runs = [self.cabled[k] for k in chosen]
+            parts.append(assemble(self.unknowns, runs, sums, shared=not held_out))
+        chosen = [k for k, i in enumerate(self.motors) if (i in self.held_out) == held_out]
+        if chosen:
+            sums = jax.tree.map(lambda leaf: leaf[np.array(chosen)], self.motor_sums(point))
+            runs = [self.motors[k] for k in chosen]
+            parts.append(assemble(self.unknowns, runs, sums, shared=not held_out))
+        size = self.unknowns.size
+        normal = Normal(
+            sum(part.cost for part, _ in parts),
+            sum((part.gradient for part, _ in parts), np.zeros(size)),
+            sum((part.matrix for part, _ in parts), np.zeros((size, size))),
+        )
+        return normal, np.concatenate([scores for _, scores in parts])
+
+    def evaluate_all(self, points: Sequence[Float[np.ndarray, " n"]]) -> list[Normal]:
+        """Normal equations of the fitted runs at several points, side by side.
+
+        Args:
+            points: Vectors of the fit.
+
+        Returns:
+            One for each point.
+        """
+        rows = [k for k, run in enumerate(self.cabled) if run not in self.held_out]
+        runs = [self.cabled[k] for k in rows]
+        found = [Normal(0.0, 0.0, 0.0)] * len(points)
+        if rows:
+            sums = self.sums(points, [rows] * len(points))
+            found = [assemble(self.unknowns, runs, own, shared=True)[0] for own in sums]
+        bare = dataclasses.replace(self, cabled=(), records=None, rough=None)
+        if any(run not in self.held_out for run in self.motors):
+            alone = [bare.evaluate(point)[0] for point in points]
+            found = [
+                Normal(*(a + b for a, b in zip(x, y, strict=True)))
+                for x, y in zip(found, alone, strict=True)
+            ]
+        return found
+
+    def minimise(
+        self,
+        start: Float[np.ndarray, " n"],
+        *,
+        iterations: int,
+        decrement: float,
+        report: Callable[[int, float], None] = lambda iteration, cost: None,
+        held_out: bool = False,
+    ) -> Minimum:
+        """The minimum that a start leads to, on the coarser grid.
+
+        Args:
+            start: Vector of the fit.
+            iterations: Most evaluations.
+            decrement: Decrease of the misfit that a step still has to promise.
+            report: Told the evaluations so far and the least misfit.
+            held_out: Whether to fit the held-out runs' circumstances, and nothing else.
+
+        Returns:
+            Where it ended.
+        """
+        return minimise(
+            lambda point: self.evaluate(point, held_out=held_out)[0],
+            start,
+            lower=self.unknowns.lower(),
+            iterations=iterations,
+            decrement=decrement,
+            report=report,
+        )
+
+    def minimise_on(
+        self,
+        rows: Sequence[int],
+        starts: Sequence[Float[np.ndarray, " n"]],
+        *,
+        iterations: int,
+        decrement: float,
+        shared: bool = True,
+    ) -> list[Minimum]:
+        """The minima that several starts lead to, on a few of the runs and side by side.
+
+        Args:
+            rows: Rows of `records` to fit.
+            starts: Vectors of the fit.
+            iterations: Most evaluations of each.
+            decrement: Decrease of the misfit that a step still has to promise.
+            shared: Whether the shared quantities are open, or the circumstances alone.
+
+        Returns:
+            Where each ended.
+        """
+        runs = [self.cabled[row] for row in rows]
+
+        def evaluate(points: list[Float[np.ndarray, " n"]]) -> list[Normal]:
+            found = self.sums(points, [rows] * len(points))
+            return [assemble(self.unknowns, runs, sums, shared=shared)[0] for sums in found]
+
+        return minimise_together(
+            evaluate,
+            starts,
+            lower=self.unknowns.lower(),
+            iterations=iterations,
+            decrement=decrement,
+        )
+
+    def corrected(self, point: Float[np.ndarray, " n"]) -> "Problem":
+        """The problem whose coarser grid has no error of its own about a point.
+
+        What the exact grid and the coarser one predict differently is taken off the
+        measurements: deferred correction, which leaves the Jacobians to the coarser grid.
+
+        Args:
+            point: Vector of the fit.
+
+        Returns:
+            The problem with corrected measurements on the coarser grid.
+        """
+        if self.records is None:
+            return self
+        (rough,) = self.sums([point], [range(len(self.cabled))])
+        _, angle, frame = predictions(
+            self.prior, self.unknowns.free, jnp.asarray(self.vectors(point)), self.records
+        )
+        weight = np.square(self.records.angle_weight)
+        difference = windowed(weight * (self.records.angle - np.asarray(angle)), self.factor)
+        information = np.square(self.rough.angle_weight)
+        exact = difference / np.where(information > 0, information, 1.0)
+        turned = exact - _over(rough.residuals.angle, self.rough.angle_weight)
+        seen = self.rough.frame_weight > 0
+        moved = np.where(seen, self.rough.frame - np.asarray(frame), 0.0) - _over(
+            rough.residuals.frame, self.rough.frame_weight
+        )
+        corrected = eqx.tree_at(
+            lambda r: (r.angle, r.frame),
+            self.rough,
+            (self.rough.angle + turned, self.rough.frame + moved),
+        )
+        return dataclasses.replace(self, rough=corrected)
+
+    def path_error(self, point: Float[np.ndarray, " n"]) -> float:
+        """How far the end-effector is from its prediction in the runs held out.
+
+        Args:
+            point: Vector of the fit.
+
+        Returns:
+            Root mean square distance over the frames that saw it [m]; NaN without any.
+        """
+        rows = [row for row, run in enumerate(self.cabled) if run in self.held_out]
+        (sums,) = self.sums([point], [rows])
+        seen = np.asarray(self.rough.frame_weight)[rows][:, :, [0, 4]]
+        off = _over(sums.residuals.frame[:, :, [0, 4]], seen)
+        whole = np.all(seen > 0, axis=2)
+        return float(np.sqrt(np.mean(np.sum(np.square(off), axis=2)[whole])))
+
+    def vectors(self, point: Float[np.ndarray, " n"]) -> Float[np.ndarray, "runs own"]:
+        """What a point says of each run with the cable on.
+
+        Args:
+            point: Vector of the fit.
+
+        Returns:
+            For each its free quantities and circumstances.
+        """
+        return np.stack([point[self.unknowns.of_run(i)] for i in self.cabled])
+
+
+def _over(
+    residual: Float[np.ndarray, "..."], weight: Float[jax.Array | np.ndarray, "..."]
+) -> Float[np.ndarray, "..."]:
+    """Residuals in the measurement's own unit; 0 where nothing was measured."""
+    weight = np.asarray(weight)
+    return np.where(weight > 0, residual / np.where(weight > 0, weight, 1.0), 0.0)
