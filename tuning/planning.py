@@ -28,6 +28,9 @@ LEG_TIME = 2.0
 """Time of a leg that is not asked for otherwise, if the drives can [s]."""
 HOLD = 0.8
 """Time after the leg that is looked at [s]: two and a half periods of 3 Hz."""
+REST = 0.06
+"""Time at the end of a leg in which the drives already hold: what else moves comes to rest,
+and the upper carriage stops [s]."""
 STEP = 5e-3
 """Step of the search [s]; the plan itself is made at the controller's period."""
 SPLINE_WIDTH = 0.11
@@ -49,6 +52,10 @@ WEIGHTS = (2.0, 1.0, 1.0, 1.0, 1.0, 0.6, 0.6)
 
 _VIBRATION = 0.5e-3
 """Distance from the target after the leg that counts as one [m]."""
+_SOON = 0.08
+"""Time after the leg in which a distance counts more: it is judged from there on [s]."""
+_SOON_FACTOR = 5.0
+"""How much more [1]."""
 _TRACKING = 60e-3
 """Distance from the plain profile during the leg that counts as one [m]."""
 _VOLTAGE_SHARE = 0.88
@@ -101,16 +108,17 @@ def grid(
     Returns:
         The grid.
     """
+    moving = leg_time - REST
     period = leg_time / steps
     begins = period * np.arange(steps + hold)
     # One more instant than intervals: the profile's own end is exact.
     instants = [begins, begins + period / 2, begins + period]
     plain = functools.partial(
-        plain_motion, jnp.asarray(start), jnp.asarray(end), leg_time=jnp.asarray(leg_time)
+        plain_motion, jnp.asarray(start), jnp.asarray(end), leg_time=jnp.asarray(moving)
     )
     at_begin, at_middle, at_end = (plain(time=jnp.asarray(time)) for time in instants)
-    splines = max(round(leg_time / SPLINE_WIDTH), 4)
-    curves = tuple(spline_basis(leg_time, time, splines=splines) for time in instants[:2])
+    splines = max(round(moving / SPLINE_WIDTH), 4)
+    curves = tuple(spline_basis(moving, time, splines=splines) for time in instants[:2])
     return Grid(at_begin, at_middle, at_end.position, curves, jnp.asarray(period))
 
 
@@ -305,16 +313,12 @@ def _search(
         iterations=iterations,
         progress=lambda share: progress("a first guess", 0.1 + 0.3 * share),
     ).point
-    ends = [
-        least_squares(
-            functools.partial(linearised, _resting),
-            point,
-            iterations=iterations,
-            progress=lambda share, n=n: progress("motion", 0.4 + 0.25 * (n + share)),
-        )
-        for n, point in enumerate((guess, plain))
-    ]
-    return min(ends, key=lambda one: one.cost).point
+    return least_squares(
+        functools.partial(linearised, _resting),
+        guess,
+        iterations=iterations,
+        progress=lambda share: progress("motion", 0.4 + 0.5 * share),
+    ).point
 
 
 _Pairs = list[tuple[np.ndarray, np.ndarray]]
@@ -337,7 +341,12 @@ def _resting(
     value: _Outcome, slope: _Outcome, weights: Float[np.ndarray, " scenarios"]
 ) -> _Pairs:
     """Rest at the target for all scenarios."""
-    return [_weighted(value.after, slope.after, weights / _VIBRATION)]
+    count = value.after.shape[1]
+    soon = np.arange(count) * 4 * STEP < _SOON
+    emphasis = np.where(soon, _SOON_FACTOR, 1.0) / _VIBRATION
+    return [
+        _weighted(value.after * emphasis, slope.after * emphasis[:, None], weights),
+    ]
 
 
 def _arriving(
