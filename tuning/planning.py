@@ -47,11 +47,14 @@ SCENARIOS = (
 )
 """Robots and starts that a plan is made for, `Scenario` by its fields [1]: the fitted one,
 tensions and friction forces about it, and starts that friction holds out of line."""
-WEIGHTS = (3.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.5)
+WEIGHTS = (3.0, 1.0, 1.0, 1.5, 1.5, 0.3, 0.3)
 """How much each counts [1]."""
 
-_VIBRATION = 0.5e-3
-"""Distance from the target after the leg that counts as one [m]."""
+_VIBRATION = 0.3e-3
+"""Distance from where it rests, once the drives hold, that counts as one [m]."""
+_RESTING = 1e-3
+"""Distance of that place from the target that counts as one [m]: friction that isn't known
+decides it more than any motion does."""
 _TRACKING = 100e-3
 """Distance from the plain profile during the leg that counts as one [m]."""
 _VOLTAGE_SHARE = 0.85
@@ -339,8 +342,13 @@ def _common(
 def _resting(
     value: _Outcome, slope: _Outcome, weights: Float[np.ndarray, " scenarios"]
 ) -> _Pairs:
-    """Rest at the target for all scenarios."""
-    return [_weighted(value.after, slope.after, weights / _VIBRATION)]
+    """Rest for all scenarios, and at the target."""
+    resting, its_slope = (part.after.mean(axis=1, keepdims=True) for part in (value, slope))
+    count = np.sqrt(value.after.shape[1])
+    return [
+        _weighted(value.after - resting, slope.after - its_slope, weights / _VIBRATION),
+        _weighted(count * resting, count * its_slope, weights / _RESTING),
+    ]
 
 
 def _arriving(
