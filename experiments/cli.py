@@ -11,6 +11,7 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
     ("tune", "gains and input shapers from parameters and frequencies: tuning.json"),
     ("shape", "the input shaper for a measured spectrum: shaper.json"),
+    ("plan", "references and feed-forward of one leg that arrives without vibration"),
     ("simulate", "one manoeuvre of a fitted robot"),
     ("sweep", "frequency, workspace or closed loop over poses and parameters: netCDF"),
     ("benchmark", "error beside speed, for this engine and its peers"),

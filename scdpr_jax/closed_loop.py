@@ -39,6 +39,7 @@ def closed_loop(
     controller: Controller,
     *,
     reference: Float[Array, "samples 2"],
+    feedforward: Float[Array, "samples 2"] | None = None,
     knock: Float[Array, " samples-1"] | None = None,
     encoder: Encoder | None = None,
     delay_samples: int = 0,
@@ -53,6 +54,8 @@ def closed_loop(
         controller: The controller, run at its own period.
         reference: Commanded end-effector positions $[x_e, y_e]$ at the samples [m]; the
             encoders show zero at the start, and the controller takes it for the first one.
+        feedforward: Commands that are added to the controller's at the samples [V]; `None`
+            for none.
         knock: Horizontal force on the end-effector, held between the samples [N].
         encoder: Encoders that the angles are read by; `None` for exact angles.
         delay_samples: Whole periods by which a command comes late; 0 V until the first.
@@ -70,6 +73,7 @@ def closed_loop(
         start,
         controller,
         reference=reference,
+        feedforward=feedforward,
         knock=knock,
         encoder=encoder,
         delay_samples=delay_samples,
@@ -86,6 +90,7 @@ def sampled_loop(
     knock: Float[Array, " samples-1"] | None,
     encoder: Encoder | None,
     delay_samples: int,
+    feedforward: Float[Array, "samples 2"] | None = None,
 ) -> ClosedLoop:
     """The sampled loop around an integrator of one period.
 
@@ -98,6 +103,7 @@ def sampled_loop(
         knock: Horizontal force on the end-effector between the samples [N].
         encoder: Encoders that the angles are read by; `None` for exact angles.
         delay_samples: Whole periods by which a command comes late.
+        feedforward: Commands that are added to the controller's [V].
 
     Returns:
         States at the samples and commands between them.
@@ -114,6 +120,8 @@ def sampled_loop(
     intervals = reference.shape[0] - 1
     if knock is None:
         knock = jnp.zeros(intervals, dtype=period.dtype)
+    if feedforward is None:
+        feedforward = jnp.zeros((intervals + 1, 2), dtype=period.dtype)
     commanded = joint_references(robot, reference)
 
     def measure(state: State) -> Float[Array, "2"]:
@@ -122,12 +130,12 @@ def sampled_loop(
 
     def sample(
         carry: tuple[State, Any, Float[Array, "delay 2"]],
-        given: tuple[Float[Array, "2"], Float[Array, ""]],
+        given: tuple[Float[Array, "2"], Float[Array, "2"], Float[Array, ""]],
     ) -> tuple[tuple[State, Any, Float[Array, "delay 2"]], tuple[State, Float[Array, "2"]]]:
         state, memory, waiting = carry
-        wanted, push = given
+        wanted, forward, push = given
         memory, command = controller.step(memory, wanted, measure(state))
-        limited = saturate(command, robot.drive.voltage_limit)
+        limited = saturate(command + forward, robot.drive.voltage_limit)
         queue = jnp.concatenate([waiting, limited[None]])
         following = advance(state, Inputs(period, queue[0], push))
         return (following, memory, queue[1:]), (following, queue[0])
@@ -135,7 +143,7 @@ def sampled_loop(
     memory = controller.initial_state(commanded[0], measure(start))
     waiting = jnp.zeros((delay_samples, 2), dtype=period.dtype)
     _, (states, voltage) = jax.lax.scan(
-        sample, (start, memory, waiting), (commanded[:-1], knock)
+        sample, (start, memory, waiting), (commanded[:-1], feedforward[:-1], knock)
     )
     return ClosedLoop(
         time=period * jnp.arange(intervals + 1, dtype=period.dtype),

@@ -11,10 +11,13 @@ import pydantic
 
 from scdpr_jax.controller import PD
 from scdpr_jax.files import write_whole
+from scdpr_jax.parameters import QUANTITIES, exact, replace
+from scdpr_jax.prototype import consistent
 from scdpr_jax.shaper import Shaper
 from tuning.json_file import read_json
 from tuning.margins import Margins
 from tuning.types import (
+    FittedSetting,
     Metrics,
     Prediction,
     Region,
@@ -58,6 +61,7 @@ def tuning_document(tuning: Tuning) -> str:
             },
         },
         "shapers": [_shaper(regional) for regional in tuning.shapers],
+        "robots": [_robot(known) for known in tuning.robots],
         "predicted": {
             prediction.name: {
                 "before": dataclasses.asdict(prediction.before),
@@ -112,6 +116,7 @@ def read_tuning(path: pathlib.Path) -> Tuning:
             Prediction(name, Metrics(**pair.before), Metrics(**pair.after))
             for name, pair in found.predicted.items()
         ),
+        robots=tuple(known.build() for known in found.robots),
         notes=tuple(found.notes),
     )
 
@@ -132,6 +137,19 @@ def _shaper(regional: RegionalShaper) -> dict[str, Any]:
         "band": list(regional.band),
         "damping_ratio": regional.damping_ratio,
         "measured": regional.measured,
+    }
+
+
+def _robot(known: FittedSetting) -> dict[str, Any]:
+    return {
+        "pretension": {"value": known.pretension, "unit": "N"},
+        "parameters": {
+            quantity.name: {
+                "value": float(quantity.leaves(known.robot)[0]),
+                "unit": quantity.unit,
+            }
+            for quantity in QUANTITIES
+        },
     }
 
 
@@ -222,6 +240,34 @@ class _Shaper(pydantic.BaseModel):
         )
 
 
+class _Newtons(pydantic.BaseModel):
+    value: pydantic.NonNegativeFloat
+    unit: Literal["N"]
+
+
+class _Number(pydantic.BaseModel):
+    value: pydantic.FiniteFloat
+    unit: str
+
+
+class _Robot(pydantic.BaseModel):
+    pretension: _Newtons
+    parameters: dict[str, _Number]
+
+    @pydantic.model_validator(mode="after")
+    def _has_every_quantity(self) -> "_Robot":
+        units = {quantity.name: quantity.unit for quantity in QUANTITIES}
+        told = {name: number.unit for name, number in self.parameters.items()}
+        wrong = sorted({*units.items()} ^ {*told.items()})
+        if wrong:
+            raise ValueError(f"{wrong} differ, expected every quantity in its SI unit")
+        return self
+
+    def build(self) -> FittedSetting:
+        values = {name: number.value for name, number in self.parameters.items()}
+        return FittedSetting(self.pretension.value, exact(replace(consistent(), values)))
+
+
 class _Pair(pydantic.BaseModel):
     before: dict[str, pydantic.FiniteFloat]
     after: dict[str, pydantic.FiniteFloat]
@@ -240,4 +286,5 @@ class _Document(pydantic.BaseModel):
     controller: _Controller
     shapers: list[_Shaper]
     predicted: dict[str, _Pair]
+    robots: list[_Robot] = []
     notes: list[str] = []

@@ -31,6 +31,7 @@ from tuning.optimise import (
 )
 from tuning.plant import MotorPlant
 from tuning.types import (
+    FittedSetting,
     Metrics,
     Prediction,
     RegionalShaper,
@@ -143,6 +144,7 @@ def tune(
         margins=sampled_margins(plant, found.controller),
         shapers=tuple(shapers),
         predicted=predicted,
+        robots=tuple(FittedSetting(s, robot) for s, robot in robots.items()),
         notes=_notes(shapers, predicted),
     )
 

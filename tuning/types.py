@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from scdpr_jax.controller import PD
 from scdpr_jax.fields import si
+from scdpr_jax.parameters import Robot
 from scdpr_jax.shaper import Shaper
 from tuning.margins import Margins
 
@@ -123,6 +124,16 @@ class Prediction:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
+class FittedSetting:
+    """The fitted robot at one nominal pretension."""
+
+    pretension: float = dataclasses.field(metadata=si("N", "T"))
+    """Nominal setting of the cable loop [N]."""
+    robot: Robot
+    """The robot, with exact friction."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
 class Tuning:
     """Gains for the robot and shapers for the regions of its workspace."""
 
@@ -134,8 +145,32 @@ class Tuning:
     """The shapers, which cover the workspace at every measured pretension."""
     predicted: tuple[Prediction, ...]
     """Manoeuvres simulated before and after."""
+    robots: tuple[FittedSetting, ...] = ()
+    """The fitted robot at every tuned pretension, which legs are planned for."""
     notes: tuple[str, ...] = ()
     """What a reader should know, in whole sentences."""
+
+    def robot_at(self, pretension: float | None = None) -> FittedSetting:
+        """The fitted robot at a nominal pretension.
+
+        Args:
+            pretension: The setting [N]; None for the first.
+
+        Returns:
+            The robot with its setting.
+
+        Raises:
+            ValueError: If the tuning has no robot at that setting.
+        """
+        for known in self.robots:
+            if pretension is None or known.pretension == pretension:
+                return known
+        settings = ", ".join(f"{known.pretension:g} N" for known in self.robots) or "none"
+        wanted = "" if pretension is None else f" at {pretension:g} N"
+        raise ValueError(
+            f"the tuning has no fitted robot{wanted}, got: {settings}. Name a setting that "
+            "was tuned, or write tuning.json anew with `scdpr tune` or `scdpr calibrate`."
+        )
 
     def shaper_at(self, x: float, y: float, pretension: float) -> RegionalShaper:
         """The shaper for a leg that ends at a pose.

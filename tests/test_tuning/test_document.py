@@ -4,11 +4,20 @@ import jax
 import pytest
 
 from scdpr_jax.controller import published_pd
+from scdpr_jax.prototype import consistent
 from tuning.catalogue import ei
 from tuning.document import read_tuning, tuning_document, write_tuning
 from tuning.margins import sampled_margins
 from tuning.plant import published_plant
-from tuning.types import Metrics, Prediction, Region, RegionalShaper, ResidualVibration, Tuning
+from tuning.types import (
+    FittedSetting,
+    Metrics,
+    Prediction,
+    Region,
+    RegionalShaper,
+    ResidualVibration,
+    Tuning,
+)
 
 METRICS = Metrics(5e-3, 2e-3, 54e-3, 15e-3, 54e-3, 8.9, 0.0)
 
@@ -20,13 +29,19 @@ def tuning():
     left = ResidualVibration(0.05, 0.051)
     shaper = RegionalShaper(region, ei(3.1, 0.0), 3.1, (3.09, 3.11), 0.0, True, left)
     predicted = Prediction("horizontal", METRICS, METRICS)
-    return Tuning(published_pd(), margins, (shaper,), (predicted,), ("A note.",))
+    robots = (FittedSetting(350.0, consistent()),)
+    return Tuning(published_pd(), margins, (shaper,), (predicted,), robots, ("A note.",))
 
 
 def test_a_tuning_that_is_written_and_read_is_the_same(tuning, tmp_path):
     write_tuning(tmp_path / "tuning.json", tuning)
     again = read_tuning(tmp_path / "tuning.json")
     assert tuning_document(again) == tuning_document(tuning)
+
+
+def test_a_setting_without_a_fitted_robot_is_refused(tuning):
+    with pytest.raises(ValueError, match="at 200 N, got: 350 N"):
+        tuning.robot_at(200.0)
 
 
 def broken(tuning, tmp_path, change):
@@ -44,6 +59,7 @@ def broken(tuning, tmp_path, change):
         (lambda d: d["controller"]["proportional_gain"].update(unit="V/deg"), "unit is wrong"),
         (lambda d: d["shapers"][0].update(amplitudes=[0.5, 0.2, 0.1]), "sum to 0.8"),
         (lambda d: d["shapers"][0].update(times=[0.0, 0.2, 0.1]), "times decrease"),
+        (lambda d: d["robots"][0]["parameters"].pop("drive_inertia"), "drive_inertia"),
         (lambda d: d["predicted"]["horizontal"]["after"].popitem(), "expected the metrics"),
     ],
 )

@@ -1,0 +1,67 @@
+"""`scdpr plan`: the references and the feed-forward of one leg."""
+
+import pathlib
+from typing import Annotated
+
+import tyro
+
+from experiments.cli import DONE
+from experiments.runtime import set_up, shown_progress, stage
+from experiments.verbs.console import ERRORS, OUT, Folder, wrote
+
+
+def plan(
+    tuning: Folder,
+    /,
+    begin: Annotated[str, tyro.conf.arg(name="from")],
+    to: str,
+    out: pathlib.Path,
+    leg_time: str | None = None,
+    setting: str | None = None,
+) -> int:
+    """Plan a leg that arrives without vibration: what the controller is to follow.
+
+    The controller adds its PD on the pulleys' angles: V = Kp e + Kd de/dt + feedforward,
+    within the drives' limit. Angles count from those at the leg's begin; the last row is
+    held. A manoeuvre of several legs is one plan after the other.
+
+    Args:
+        tuning: tuning.json of `scdpr tune` or `scdpr calibrate`.
+        begin: Where the end-effector rests, "0.3 m, 0.55 m".
+        to: Where it is to go, "1.9 m, 0.55 m".
+        out: The table to write, plan.csv.
+        leg_time: Time of the leg, "2 s"; default: 2 s, or longer where the drives can't.
+        setting: Nominal pretension, "350 N"; default: the first of the tuning.
+    """
+    set_up()
+    from experiments import planned_leg
+    from experiments.places import parse_position
+    from identification.quantities import parse_quantity
+    from tuning.document import read_tuning
+    from tuning.plan_file import write_plan
+
+    tuned = read_tuning(tuning)
+    nominal = None if setting is None else parse_quantity(setting, unit="N", name="--setting")
+    seconds = (
+        None if leg_time is None else parse_quantity(leg_time, unit="s", name="--leg-time")
+    )
+    robot = tuned.robot_at(nominal).robot
+    start, end = (
+        parse_position(text, name=name, robot=robot)
+        for text, name in ((begin, "--from"), (to, "--to"))
+    )
+    with shown_progress(ERRORS) as progress:
+        planned = planned_leg.make(
+            robot,
+            tuned.controller,
+            start,
+            end,
+            leg_time=seconds,
+            progress=stage(progress, 0.0, 0.9),
+        )
+        progress("the leg beside the PD of Eq. (25) alone", 0.9)
+        compared = planned_leg.compare(robot, tuned.controller, planned)
+    write_plan(out, planned)
+    OUT.print(planned_leg.comparison_table(compared))
+    wrote(out)
+    return DONE
