@@ -1,9 +1,19 @@
 """Parameters and measured frequencies to gains and input shapers."""
 
 from tuning.catalogue import CATALOGUE as CATALOGUE
+from tuning.catalogue import UNITY_MAGNITUDE as UNITY_MAGNITUDE
 from tuning.catalogue import ei as ei
+from tuning.catalogue import mzv as mzv
+from tuning.catalogue import three_hump_ei as three_hump_ei
+from tuning.catalogue import two_hump_ei as two_hump_ei
+from tuning.catalogue import um_ei as um_ei
+from tuning.catalogue import um_zv as um_zv
 from tuning.catalogue import zv as zv
 from tuning.catalogue import zvd as zvd
+from tuning.catalogue import zvdd as zvdd
+from tuning.design import least_duration as least_duration
+from tuning.design import least_residual as least_residual
+from tuning.design import worst_residual as worst_residual
 from tuning.document import read_tuning as read_tuning
 from tuning.document import write_tuning as write_tuning
 from tuning.loop_shaping import shape_loop as shape_loop
@@ -12,6 +22,8 @@ from tuning.margins import Margins as Margins
 from tuning.margins import continuous_margins as continuous_margins
 from tuning.margins import sampled_margins as sampled_margins
 from tuning.plant import MotorPlant as MotorPlant
+from tuning.spectrum import Spectrum as Spectrum
+from tuning.spectrum_design import design_for_spectrum as design_for_spectrum
 from tuning.tune import tune as tune
 from tuning.types import RegionalShaper as RegionalShaper
 from tuning.types import Tuning as Tuning

@@ -66,7 +66,7 @@ BROKEN = text().replace("\n4.0,", "\n4.0,x").replace("\n8.0,", "\n-8.0,")
         ("t,ax\n0,1\n", r"row 1: 0 columns of frequency, got 't,ax', expected one .* Rename"),
         (
             text("freq,a,b,c,d"),
-            r"row 1: no column 'psd…', got 'freq,a,b,c,d', expected .*column",
+            r"row 1: no column 'psd…', got 'freq,a,b,c,d', expected .* Name",
         ),
         (BROKEN, r"row 4, column 'psd_xyz'|row 4: got|row 6, column 'freq': got '-8.0'"),
         (text() + "50,1\n", r"row 22: 2 cells, expected 5, expected finite numbers"),

@@ -130,7 +130,7 @@ def test_catalogue_holds_the_shapers_of_the_literature():
 
 @pytest.mark.parametrize("design", DESIGNS, ids=NAMES)
 @hypothesis.settings(max_examples=30)
-@hypothesis.given(frequency=frequency, damping=st.floats(0, 0.25))
+@hypothesis.given(frequency=frequency, damping=st.floats(0, 0.2))
 def test_amplitudes_are_positive_and_sum_to_one(design, frequency, damping):
     amplitudes = design(frequency, damping).amplitudes
     assert jnp.min(amplitudes) > 0
