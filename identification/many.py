@@ -181,7 +181,7 @@ def _scanned(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
 def _followed(given: tuple[Robot, Array, ShortRuns, Array, Array, Array]) -> _Lane:
     """`STEPS` steps by Levenberg and Marquardt on some channels, over the free unknowns."""
     robot, interval, run, start, channels, free = given
-    run = eqx.tree_at(lambda r: r.weight, run, run.weight * channels)
+    run = eqx.tree_at(lambda r: r.weight, run, run.weight * channels[None, :])
 
     def normal(point: Float[Array, "4"]) -> tuple[Array, Array, Array]:
         def both(x: Float[Array, "4"]) -> tuple[Array, Array]:
@@ -189,7 +189,7 @@ def _followed(given: tuple[Robot, Array, ShortRuns, Array, Array, Array]) -> _La
             return found, found
 
         jacobian, found = jax.jacfwd(both, has_aux=True)(point)
-        jacobian = (free * jacobian).reshape(-1, 4)
+        jacobian = (free[None, None, :] * jacobian).reshape(-1, 4)
         cost = jnp.sum(jnp.square(found))
         good = jnp.isfinite(cost) & jnp.all(jnp.isfinite(jacobian))
         cost = jnp.where(good, cost, jnp.inf)
@@ -303,4 +303,4 @@ def _residuals(
     square = jnp.square(run.weight)
     total = jnp.sum(square, axis=0)
     zero = jnp.sum(square * difference, axis=0) / jnp.where(total > 0, total, 1.0)
-    return run.weight * (difference - ENCODERS * zero)
+    return run.weight * (difference - (ENCODERS * zero)[None, :])

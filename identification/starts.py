@@ -127,11 +127,9 @@ def _valleys(
         for pretension, force in _scanned(problem, grid, base, label, rows)[:VALLEYS]
     ]
     ends = problem.minimise_on(rows, begun, iterations=12, decrement=1.0)
-    count = sum(
-        float(
-            np.sum(problem.rough.angle_share[row]) + np.sum(problem.rough.frame_weight[row] > 0)
-        )
-        for row in rows
+    share = np.asarray(problem.rough.angle_share)[rows]
+    count = float(np.sum(share)) + np.count_nonzero(
+        np.asarray(problem.rough.frame_weight)[rows]
     )
     found: list[tuple[Valley, np.ndarray]] = []
     for end in sorted(ends, key=lambda end: end.normal.cost):

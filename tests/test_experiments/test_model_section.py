@@ -16,7 +16,7 @@ def test_a_usual_model_that_is_enough_is_not_compared():
 def test_the_verdict_names_what_the_usual_model_lacks_and_what_that_is_worth():
     (told,) = verdict_on_models(estimate(models=compared_models()))
     assert "lacks a tension that rises as the loop's path gets longer" in told
-    assert "2.3 mm rms, the usual one to 7.7 mm" in told
+    assert "2.30 mm rms, the usual one to 7.70 mm" in told
 
 
 def test_the_chosen_model_is_marked_and_the_others_are_held_against_it():
