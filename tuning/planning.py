@@ -28,9 +28,11 @@ LEG_TIME = 2.0
 """Time of a leg that is not asked for otherwise, if the drives can [s]."""
 HOLD = 0.8
 """Time after the leg that is looked at [s]: two and a half periods of 3 Hz."""
+SHORTEST = 0.5
+"""Shortest time of a leg that is planned [s]."""
 REST = 0.08
-"""Time at the end of a leg in which the drives already hold and everything is to be at rest:
-the upper carriage takes some 60 ms of it for its last millimetre [s]."""
+"""Time at the end of a leg in which the lower carriage already holds, and everything is to
+be at rest: the upper carriage takes some 60 ms of it for its last millimetre [s]."""
 STEP = 5e-3
 """Step of the search [s]; the plan itself is made at the controller's period."""
 SPLINE_WIDTH = 0.11
@@ -112,13 +114,25 @@ def grid(
     begins = period * np.arange(steps + hold)
     # One more instant than intervals: the profile's own end is exact.
     instants = [begins, begins + period / 2, begins + period]
-    plain = functools.partial(
-        plain_motion, jnp.asarray(start), jnp.asarray(end), leg_time=jnp.asarray(moving)
+    whole, shorter = (
+        functools.partial(
+            plain_motion, jnp.asarray(start), jnp.asarray(end), leg_time=jnp.asarray(time)
+        )
+        for time in (leg_time, moving)
     )
-    at_begin, at_middle, at_end = (plain(time=jnp.asarray(time)) for time in instants)
+    at_begin, at_middle = (
+        # The height has nothing to wait for: it takes the whole leg.
+        jax.tree.map(
+            lambda x, y: jnp.stack([x[:, 0], y[:, 1]], axis=1),
+            shorter(time=jnp.asarray(time)),
+            whole(time=jnp.asarray(time)),
+        )
+        for time in instants[:2]
+    )
+    ends = whole(time=jnp.asarray(instants[2])).position
     splines = max(round(moving / SPLINE_WIDTH), 4)
     curves = tuple(spline_basis(moving, time, splines=splines) for time in instants[:2])
-    return Grid(at_begin, at_middle, at_end.position, curves, jnp.asarray(period))
+    return Grid(at_begin, at_middle, ends, curves, jnp.asarray(period))
 
 
 def led(on: Grid, coefficients: Float[Array, " splines"]) -> tuple[Motion, Motion]:
@@ -271,7 +285,15 @@ def plan_leg(
 
     Returns:
         The leg.
+
+    Raises:
+        ValueError: If the leg is too short to be planned.
     """
+    if leg_time is not None and not leg_time >= SHORTEST:
+        raise ValueError(
+            f"`leg_time` is too short, got {leg_time:g} s, expected {SHORTEST:g} s or more: "
+            "that is a period and a half of the slowest mode. Give the leg more time."
+        )
     first, last = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
     time = shortest_leg_time(robot, first, last) if leg_time is None else leg_time
     found = _search(robot, controller, first, last, time, iterations, progress)
