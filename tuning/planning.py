@@ -292,7 +292,7 @@ def plan_leg(
     if leg_time is not None and not leg_time >= SHORTEST:
         raise ValueError(
             f"`leg_time` is too short, got {leg_time:g} s, expected {SHORTEST:g} s or more: "
-            "that is a period and a half of the slowest mode. Give the leg more time."
+            "that is about one period of the slowest mode. Give the leg more time."
         )
     first, last = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
     time = shortest_leg_time(robot, first, last) if leg_time is None else leg_time
