@@ -1,8 +1,9 @@
 """One function over many points, in chunks of fixed size.
 
-Every chunk is compiled once and run alike, the last one padded, so that a point gives the
-same bits alone and among millions, on one device and on several; only one chunk of points
-and results is on the devices at a time.
+Every chunk is run by the same program, the last one padded, so that a point gives the same
+bits alone and among millions, on one device and on several: one program for all devices
+together would round otherwise than a single device's. Only one chunk of points and results
+is on a device at a time.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -10,16 +11,11 @@ from typing import TypeVar
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.sharding import Mesh, PartitionSpec
 from jaxtyping import PyTree
 
 Point = TypeVar("Point")
 Result = TypeVar("Result")
-
-_RUNS = "runs"
-"""Name of the mesh's only axis."""
 
 
 def in_chunks(
@@ -87,26 +83,28 @@ def chunks(
     used = tuple(jax.devices() if devices is None else devices)
     together = size * len(used)
     for first in range(0, count, together):
-        rows = np.minimum(np.arange(first, first + together), count - 1)
-        chunk = jax.tree.map(lambda leaf, rows=rows: np.asarray(leaf)[rows], points)
-        found = _many(function, used, chunk)
+        # All are dispatched before any is waited for.
+        begins = range(first, first + together, size)
+        found = [
+            _many(function, jax.device_put(_chunk(points, begin, size, count), device))
+            for begin, device in zip(begins, used, strict=True)
+        ]
         filled = min(together, count - first)
-        yield jax.tree.map(lambda leaf, filled=filled: np.asarray(leaf)[:filled], found)
+        yield jax.tree.map(
+            lambda *leaves, filled=filled: np.concatenate(leaves)[:filled], *found
+        )
+
+
+def _chunk(points: Point, begin: int, size: int, count: int) -> Point:
+    """Some points; after the last, the last again."""
+    rows = np.minimum(np.arange(begin, begin + size), count - 1)
+    return jax.tree.map(lambda leaf: np.asarray(leaf)[rows], points)
 
 
 @eqx.filter_jit
-def _many(
-    function: Callable[[Point], Result], devices: tuple[jax.Device, ...], points: Point
-) -> Result:
-    """The function of as many chunks as there are devices, each on its own."""
-    share = PartitionSpec(_RUNS)
-    mesh = Mesh(np.asarray(devices), (_RUNS,))
-    arrays: PyTree = jax.tree.map(jnp.asarray, points)
-    # Nothing passes between devices; jax's bookkeeping of it doesn't know `eqx.error_if`.
-    shared = jax.shard_map(
-        jax.vmap(function), mesh=mesh, in_specs=share, out_specs=share, check_vma=False
-    )
-    return shared(arrays)
+def _many(function: Callable[[Point], Result], points: Point) -> Result:
+    """The function of one chunk, on the device that has it."""
+    return jax.vmap(function)(points)
 
 
 def _count(points: PyTree) -> int:

@@ -147,8 +147,6 @@ def _inputs(
         "values": values,
         "robot": [np.asarray(leaf).tolist() for leaf in jax.tree.leaves(robot)],
         "versions": _versions(),
-        # Another number is another program to XLA, whose last bits may differ.
-        "devices": jax.device_count(),
     }
 
 

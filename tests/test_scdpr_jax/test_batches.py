@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 
 from scdpr_jax.batches import chunks, in_chunks
-from scdpr_jax.modes import LOWER_HELD, natural_frequencies
+from scdpr_jax.modes import CONDITIONS, natural_frequencies
 from scdpr_jax.parameters import replace
 from scdpr_jax.prototype import consistent
 
 
 def frequencies(point):
-    """Frequencies at a height and a pretension."""
+    """Frequencies at a height and a pretension, under every condition of the carriages."""
     height, pretension = point
     robot = replace(consistent(), {"effective_pretension": pretension})
-    return natural_frequencies(robot, height, LOWER_HELD)
+    return jnp.concatenate([natural_frequencies(robot, height, each) for each in CONDITIONS])
 
 
 def grid(count):
