@@ -26,6 +26,7 @@ EXACT = 5e-4
 NOTHING_LEFT = 1e-7
 """A residual that is called none [1]."""
 _ROUNDING = 1e-12
+_TRIES = 12
 
 
 class Design(NamedTuple):
@@ -109,9 +110,14 @@ def least_duration(
         else:
             low, left_low = middle, left
     best = _on_the_way(criterion, high, low)
-    while not best.residual <= bound:
+    for _ in range(_TRIES):
+        if best.residual <= bound:
+            break
         low, left_low, high = high, best.residual, 1.005 * high
         best = _on_the_way(criterion, high, low)
+    if not best.residual <= bound:
+        # Many small impulses keep it, and no few of them were found that do.
+        best = _on_all_instants(criterion, high)
     # A refined shaper leaves less than the grid's: it may be shorter than the grid allows.
     low = min(low, 0.98 * high)
     while high - low > EXACT * high:
@@ -138,6 +144,14 @@ def _on_the_way(criterion: Criterion, duration: float, shorter: float) -> Design
     found, before = (_on_grid(criterion, jnp.asarray(d)) for d in (duration, shorter))
     starts = [s for on in (found, before) for s in _impulses(np.asarray(on.x), duration)]
     return _best(criterion, [refined(criterion, s) for s in starts], float(found.lower_bound))
+
+
+def _on_all_instants(criterion: Criterion, duration: float) -> Design:
+    """The grid's shaper as it is, an impulse at every instant."""
+    found = _on_grid(criterion, jnp.asarray(duration))
+    times = jnp.linspace(0, duration, GRID)
+    shaper = Shaper(times, found.x / jnp.sum(found.x))
+    return _best(criterion, [shaper], float(found.lower_bound))
 
 
 def _best(criterion: Criterion, shapers: list[Shaper], lower_bound: float) -> Design:
