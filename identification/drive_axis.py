@@ -332,5 +332,5 @@ def _status(
         return "weak" if error > _WEAK * scale else "identified"
 
     bounded = np.isfinite(_lower(names))
-    rows = zip(values, sigma, scales, bounded, strict=True)
+    rows = zip(values, sigma, scales, bounded.tolist(), strict=True)
     return tuple(one(float(v), float(e), float(s), b) for v, e, s, b in rows)
