@@ -128,13 +128,16 @@ def deviation(
     stop = once(stop)
     load = Quadratic(*map(once, _load_when_stopped(assumed, stop, stops)))
 
-    reverses = stops & (-branch * load(stop) > limit)
+    friction = branch * limit
+    # Where the load falls below the limit so soon that it would be back in this step, it is
+    # held: one step has one departure.
+    back = _moment(0, _tail(load._replace(constant=load.constant + friction), stop))
+    reverses = stops & (-branch * load(stop) > limit) & (branch * back < 0)
     holds = (stops & ~reverses) | ~slides
     release = once(_release(load, limit, stop, holds))
 
     # Assumed minus true friction from the stop on, and what the release adds to that. What
     # doesn't happen has its instant at the step's end, where its moments are zero.
-    friction = branch * limit
     rests = slides & ~reverses
     stopped = Quadratic(
         jnp.where(rests, friction - load.constant, jnp.where(reverses, 2 * friction, 0.0)),
@@ -220,7 +223,10 @@ class _Tail(NamedTuple):
 
 
 def _tail(
-    polynomial: Quadratic, begin: Float[Array, ""], *, once: Callable[[Array], Array]
+    polynomial: Quadratic,
+    begin: Float[Array, ""],
+    *,
+    once: Callable[[Array], Array] = lambda value: value,
 ) -> _Tail:
     left = 1 - begin
     _, linear, quadratic = polynomial

@@ -56,6 +56,16 @@ def test_a_carriage_that_stops_under_a_large_load_turns_round(branch):
     assert not found.sticks
 
 
+@pytest.mark.parametrize("branch", [1, -1])
+def test_a_carriage_that_would_turn_round_for_a_moment_sticks(branch):
+    # The load passes the limit by a little as the carriage stops, and falls.
+    load = (-branch * 1.02, branch * 0.04, 0.0)
+    found = deviation(assumed(branch, (branch * 0.25, -branch * 1.0, 0.0), load))
+    friction = branch * LIMIT
+    assert_moments(found, moments_of(lambda t: friction - load[0] - load[1] * t, begin=0.25))
+    assert found.sticks
+
+
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_held_carriage_breaks_away_where_its_load_passes_the_limit(side):
     found = deviation(assumed(0, (0, 0, 0), (side * 0.5, side * 1.0, 0.0)))
