@@ -3,7 +3,7 @@ r"""The fixed-grid engine of the linear model: exact between events, for one run
 Near an aligned pose at a height the robot is linear but for its dry friction, Eqs. (18) and
 (21) with the drives. On the branches that the carriages begin a step on, a step is a product
 with tabulated matrices; where a carriage leaves its branch, `scdpr_jax.stick_slip` says when
-and by how much the friction deviates. Third order at least in the step, by the events alone.
+and by how much the friction deviates. Near fourth order in the step, by the events alone.
 The model has no dry friction in the drives: `scdpr_jax.stepping` has it.
 
 Everything in a step is a scalar: batched by `jax.vmap` these are arrays with the runs side by

@@ -1,4 +1,4 @@
-r"""The fixed-grid engine: exact Coulomb friction, third order, differentiable.
+r"""The fixed-grid engine: exact Coulomb friction, near fourth order, differentiable.
 
 A step covers one interval of zero-order-held voltages. The smooth part is Butcher's
 fifth-order Runge-Kutta on the branch that each carriage is on when the step begins. Where
@@ -93,7 +93,7 @@ def interpolate(
 
 
 def step(robot: Robot, state: State, held: Inputs) -> State:
-    """The state after one interval, local error of fourth order in its length.
+    """The state after one interval.
 
     Args:
         robot: The robot, with `Coulomb` friction on both carriages.
