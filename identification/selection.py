@@ -74,10 +74,17 @@ def select(
         )
         point = _embedding(whole, problem) @ minimum.point
         fits.append(_Fit(tuple(added), problem, minimum, point))
-        promised = _promises(whole, problem, point, left)
+        promised = [
+            math.inf if one.own_start else promise
+            for one, promise in zip(left, _promises(whole, problem, point, left), strict=True)
+        ]
         if not promised or max(promised) <= 0:
             break
         added.append(left.pop(int(np.argmax(promised))))
+        if added[-1].own_start:
+            free = (*DEFAULT_FREE, *(name for one in added for name in one.free))
+            anew = estimate(campaign, hold_out=hold_out, free=free)
+            point = vector(whole, anew)
     progress("models on the runs held out", 0.85)
     models = _models(whole, fits)
     choice = _choice(models)
