@@ -60,6 +60,38 @@ def needed_tension(
     return jnp.where(held & inside, jnp.min(largest), jnp.inf)
 
 
+def least_tensions(
+    robot: Robot,
+    position: Float[Array, "2"],
+    *,
+    end_effector_width: Float[Array, ""],
+    minimum_tension: Float[Array, ""],
+    gravity: Float[Array, ""],
+    crossed: bool,
+) -> Float[Array, "4"]:
+    r"""The smallest tensions that balance the weight with none below a minimum.
+
+    $t = p + \lambda n$ with $n > 0$ spanning the null space of the structure matrix, and the
+    least $\lambda$ that keeps every cable at the minimum.
+
+    Args:
+        robot: Its frame, and the mass and the offsets of its end-effector, are taken.
+        position: Position $[x_e, y_e]$ of the upright end-effector [m].
+        end_effector_width: Distance of its left and right attachments [m].
+        minimum_tension: Least tension $T_{min}$ of every cable [N].
+        gravity: Gravitational acceleration [m/s²].
+        crossed: Whether the cables cross, see `needed_tension`.
+
+    Returns:
+        Tensions [N]; not numbers where the cables can't pull against each other.
+    """
+    structure = _structure_matrix(robot, position, end_effector_width, crossed)
+    null = _minors(structure)
+    balancing = _balancing(structure, null, robot.end_effector.mass * gravity)
+    lowest, _, _ = _interval(balancing, null, minimum_tension)
+    return jnp.where(jnp.all(null > 0), balancing + lowest * null, jnp.nan)
+
+
 def _structure_matrix(
     robot: Robot,
     position: Float[Array, "2"],

@@ -10,11 +10,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from experiments.reproduce.workspaces import GRAVITY
+from scdpr_jax.four_cables import least_tensions
 from scdpr_jax.loop_elasticity import consistent_section
 from scdpr_jax.modes import BOTH_HELD, LOWER_HELD
 from scdpr_jax.parameters import replace
 from scdpr_jax.prototype import consistent
-from scdpr_jax.stiffness import four_cable_stiffness, horizontal_stiffness, least_tensions
+from scdpr_jax.stiffness import four_cable_stiffness, horizontal_stiffness
 
 TENSION = 350.0
 """Pretension of the loop, and least tension of the four cables [N]."""

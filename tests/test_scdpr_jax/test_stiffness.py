@@ -3,7 +3,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from scdpr_jax.four_cables import needed_tension
+from scdpr_jax.four_cables import least_tensions, needed_tension
 from scdpr_jax.linear import stiffness_matrix
 from scdpr_jax.loop_elasticity import CableSection, consistent_section
 from scdpr_jax.modes import BOTH_HELD, CONDITIONS, LOWER_HELD, PRINTED
@@ -13,7 +13,6 @@ from scdpr_jax.stiffness import (
     cable_lengths,
     four_cable_stiffness,
     horizontal_stiffness,
-    least_tensions,
 )
 
 EPS = float(np.finfo(float).eps)
