@@ -35,8 +35,9 @@ def select(
     Forward selection: of the refinements that aren't in yet, the score test's statistic
     $g^T I^{-1} g$ of each tells how far the misfit would fall, with the gradient $g$ and the
     information $I$ that the present fit leaves open for its quantities. The most promising
-    is added and fitted. Of the models on that way the one is chosen that predicts the
-    held-out runs best, or, without any, that has the least of Schwarz's criterion.
+    is added and fitted; one with its own start comes first, since a score at its bound tells
+    nothing. Of the models on that way the one is chosen that predicts the held-out runs best,
+    or, without any, that has the least of Schwarz's criterion.
 
     Reference: C. R. Rao, "Large sample tests of statistical hypotheses concerning several
     parameters", Math. Proc. Camb. Phil. Soc. 44, 1948, doi:10.1017/S0305004100023987.
