@@ -5,7 +5,7 @@ import dataclasses
 import equinox as eqx
 import jax
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from identification.accumulate import motor_angles
 from identification.campaign.types import Run, Sensors
@@ -84,19 +84,30 @@ class Comparison:
     """How each channel fits."""
 
 
+Predicted = tuple[
+    Float[Array | np.ndarray, "runs rows 5"],
+    Float[Array | np.ndarray, "runs rows 2"],
+    Float[Array | np.ndarray, "runs frames 5"],
+]
+"""Positions at the drive's rows, encoder angles, and positions at the camera's stamps."""
+
+
 @eqx.filter_jit
 def predictions(
-    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: Record
-) -> tuple[
-    Float[Array, "runs rows 5"], Float[Array, "runs rows 2"], Float[Array, "runs frames 5"]
-]:
+    robot: Robot,
+    free: tuple[str, ...],
+    unknowns: Float[Array, "lanes n"],
+    run: Int[Array, " lanes"],
+    records: Record,
+) -> Predicted:
     """Runs with the cable on as the robot would do them.
 
     Args:
         robot: The robot with its fixed quantities.
         free: Names of the free quantities.
-        unknowns: For each run its free quantities and its circumstances.
-        records: The runs' records.
+        unknowns: For each lane its run's free quantities and its circumstances.
+        run: Which of the runs each lane is.
+        records: The runs.
 
     Returns:
         Positions at the drive's rows, encoder angles there, and positions at the camera's
@@ -104,19 +115,19 @@ def predictions(
     """
 
     def one(
-        unknown: Float[Array, " n"], record: Record
+        unknown: Float[Array, " n"], number: Int[Array, ""]
     ) -> tuple[Float[Array, "rows 5"], Float[Array, "rows 2"], Float[Array, "frames 5"]]:
+        record = jax.tree.map(lambda leaf: leaf[number], records)
         fitted = apply(robot, free, unknown[: len(free)])
         states, angle, frames = predict(fitted, Circumstances(*unknown[len(free) :]), record)
         return states.position, angle, frames
 
-    return jax.vmap(one)(unknowns, records)
+    return jax.vmap(one)(unknowns, run)
 
 
 def compare(
-    robot: Robot,
-    free: tuple[str, ...],
-    unknowns: Float[Array, "runs n"],
+    predicted: Predicted,
+    offsets: Float[np.ndarray, " runs"],
     records: Record,
     *,
     runs: tuple[Run, ...],
@@ -126,9 +137,8 @@ def compare(
     """Runs with the cable on beside their simulations.
 
     Args:
-        robot: The robot with its fixed quantities.
-        free: Names of the free quantities.
-        unknowns: For each run its free quantities and its circumstances.
+        predicted: What `predictions` gives for them.
+        offsets: Their cameras' clocks, beside what was known of them before [s].
         records: The runs' records.
         runs: The runs, in the same order.
         sensors: The sensors' noise.
@@ -140,8 +150,6 @@ def compare(
     Raises:
         FloatingPointError: If the simulation of a run isn't finite.
     """
-    predicted = jax.tree.map(np.asarray, predictions(robot, free, unknowns, records))
-    offsets = np.asarray(unknowns)[:, len(free) + 4]
     seen, frame, frame_time = (
         np.asarray(part) for part in (records.frame_weight, records.frame, records.frame_time)
     )

@@ -325,11 +325,9 @@ def _comparisons(
     }
     found: list[Comparison] = []
     if problem.records is not None:
-        own = jnp.asarray(problem.vectors(point))
+        predicted, clocks = problem.predictions(point), problem.vectors(point)[:, -1]
         runs = tuple(problem.runs[i] for i in problem.cabled)
-        found += compare(
-            problem.prior, unknowns.free, own, problem.records, runs=runs, **common
-        )
+        found += compare(predicted, clocks, problem.records, runs=runs, **common)
     if problem.motor_records is not None:
         own = jnp.asarray(np.stack([point[unknowns.local[i]] for i in problem.motors]))
         runs = tuple(problem.runs[i] for i in problem.motors)

@@ -78,6 +78,7 @@ def minimise_together(
     lower: Float[np.ndarray, " n"],
     iterations: int,
     decrement: float,
+    share: float = 1e-6,
 ) -> list[Minimum]:
     """Minima from several starts, whose evaluations are made together.
 
@@ -87,12 +88,13 @@ def minimise_together(
         lower: Lower bounds, minus infinity for none.
         iterations: Most evaluations of each start.
         decrement: As in `minimise`.
+        share: Share of the cost that is enough where that is more.
 
     Returns:
         Where each start ended.
     """
     searches = [
-        _search(start, lower=lower, iterations=iterations, decrement=decrement)
+        _search(start, lower=lower, iterations=iterations, decrement=decrement, share=share)
         for start in starts
     ]
     wanted = [next(search) for search in searches]
@@ -109,13 +111,14 @@ def _search(
     lower: Float[np.ndarray, " n"],
     iterations: int,
     decrement: float,
+    share: float = 1e-6,
 ) -> Generator[Float[np.ndarray, " n"] | Minimum, Normal, None]:
     """The algorithm: yields the points that it wants evaluated, and its minimum at last."""
     point, damping = np.maximum(start, lower), 1e-3
     best, done, ended = (yield point), 1, "unfinished"
     while done < iterations:
         step, promised = _step(best, point, lower, damping)
-        if promised <= max(decrement, 1e-6 * abs(best.cost)):
+        if promised <= max(decrement, share * abs(best.cost)):
             # A long step that promises nothing is the end; a damped one stands at a kink.
             ended = "converged" if damping <= 1e-2 else "stalled"
             break

@@ -12,7 +12,8 @@ from jaxtyping import Float
 
 from identification.accumulate import MotorRecord, RunSums, assemble, motor_sums, run_sums
 from identification.campaign.types import Campaign, Run
-from identification.comparison import predictions
+from identification.comparison import Predicted, predictions
+from identification.lanes import CORES, in_lanes
 from identification.levenberg_marquardt import (
     Minimum,
     Normal,
@@ -24,8 +25,9 @@ from identification.start import Clock, clocks
 from identification.unknowns import Unknowns, layout, start_values
 from scdpr_jax.parameters import Robot, value
 
-COARSE_STEP = 5e-3
-"""Step that Jacobians are made at [s]: the engine's own error at it is some 1 µm."""
+COARSE_STEP = 1e-2
+"""Step that Jacobians are made at [s]: a tenth of the fastest vibration, where the engine's
+own error is some 1 µm."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -100,6 +102,11 @@ class Problem:
             motor_records=motor_record([runs[i] for i in motors], sensors) if motors else None,
         )
 
+    @property
+    def lanes(self) -> int:
+        """Runs that are simulated in one chunk: every core has two of them to do."""
+        return -(-len(self.cabled) // (2 * CORES))
+
     def at_rest(self) -> Float[np.ndarray, " n"]:
         """The point of the prior robot, every run starting where it was seen to."""
         unknowns = self.unknowns
@@ -142,8 +149,8 @@ class Problem:
     ) -> list[RunSums]:
         """What some runs with the cable on add at each of some points.
 
-        Points and runs are simulated side by side, as many as there are runs, so that one
-        compiled function serves every use.
+        Points and runs are simulated side by side, so that one compiled function serves
+        every use.
 
         Args:
             points: Vectors of the fit.
@@ -153,26 +160,39 @@ class Problem:
             For each point the sums of its rows.
         """
         lanes = [(point, row) for point, own in zip(points, rows, strict=True) for row in own]
-        size, parts = len(self.cabled), []
-        for first in range(0, len(lanes), size):
-            chunk = lanes[first : first + size]
-            filled = chunk + [chunk[-1]] * (size - len(chunk))
-            vectors = [x[self.unknowns.of_run(self.cabled[row])] for x, row in filled]
-            found = run_sums(
-                self.prior,
-                self.unknowns.free,
-                jnp.asarray(np.stack(vectors)),
-                jnp.asarray([row for _, row in filled]),
-                self.rough,
-            )
-            kept = slice(len(chunk))
-            parts.append(jax.tree.map(lambda leaf, kept=kept: np.asarray(leaf)[kept], found))
-        whole = jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
+        whole = in_lanes(
+            run_sums,
+            self.prior,
+            self.unknowns.free,
+            np.stack([x[self.unknowns.of_run(self.cabled[row])] for x, row in lanes]),
+            [row for _, row in lanes],
+            self.rough,
+            size=self.lanes,
+        )
         ends = np.cumsum([0, *map(len, rows)])
         return [
             jax.tree.map(lambda leaf, a=a, b=b: leaf[a:b], whole)
             for a, b in itertools.pairwise(ends)
         ]
+
+    def predictions(self, point: Float[np.ndarray, " n"]) -> Predicted:
+        """What is simulated for the runs with the cable on, on the logs' own grid.
+
+        Args:
+            point: Vector of the fit.
+
+        Returns:
+            As of `identification.comparison.predictions`.
+        """
+        return in_lanes(
+            predictions,
+            self.prior,
+            self.unknowns.free,
+            self.vectors(point),
+            range(len(self.cabled)),
+            self.records,
+            size=self.lanes,
+        )
 
     def motor_sums(self, point: Float[np.ndarray, " n"]) -> RunSums:
         """What the runs of the bare drives add at a point.
@@ -280,6 +300,7 @@ class Problem:
         *,
         iterations: int,
         decrement: float,
+        share: float = 1e-6,
         shared: bool = True,
     ) -> list[Minimum]:
         """The minima that several starts lead to, on a few of the runs and side by side.
@@ -289,6 +310,7 @@ class Problem:
             starts: Vectors of the fit.
             iterations: Most evaluations of each.
             decrement: Decrease of the misfit that a step still has to promise.
+            share: Share of the misfit that it has to, if that is more.
             shared: Whether the shared quantities are open, or the circumstances alone.
 
         Returns:
@@ -306,6 +328,7 @@ class Problem:
             lower=self.unknowns.lower(),
             iterations=iterations,
             decrement=decrement,
+            share=share,
         )
 
     def corrected(self, point: Float[np.ndarray, " n"]) -> "Problem":
@@ -323,9 +346,7 @@ class Problem:
         if self.records is None:
             return self
         (rough,) = self.sums([point], [range(len(self.cabled))])
-        _, angle, frame = predictions(
-            self.prior, self.unknowns.free, jnp.asarray(self.vectors(point)), self.records
-        )
+        _, angle, frame = self.predictions(point)
         weight = np.square(self.records.angle_weight)
         difference = windowed(weight * (self.records.angle - np.asarray(angle)), self.factor)
         information = np.square(self.rough.angle_weight)

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from identification.accumulate import run_residuals
+from identification.lanes import in_lanes
 from identification.misfit import channel_misfit
 from identification.record import Record
 
-LANES = 240
-"""Simulations side by side; a fixed number, so that one compilation serves every scan."""
+LANES = 120
+"""Simulations of a chunk; a fixed number, so that one compilation serves every scan."""
 
 
 @eqx.filter_jit
@@ -66,18 +67,4 @@ def scan(
     Returns:
         The misfits.
     """
-    count = len(run)
-    padding = -count % LANES
-    unknowns = np.concatenate([unknowns, np.repeat(unknowns[:1], padding, axis=0)])
-    numbers = np.concatenate([np.asarray(run), np.repeat(run[0], padding)])
-    found = [
-        costs(
-            robot,
-            free,
-            jnp.asarray(unknowns[first : first + LANES]),
-            jnp.asarray(numbers[first : first + LANES]),
-            records,
-        )
-        for first in range(0, len(numbers), LANES)
-    ]
-    return np.concatenate([np.asarray(part) for part in found])[:count]
+    return in_lanes(costs, robot, free, unknowns, run, records, size=LANES)

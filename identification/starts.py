@@ -13,13 +13,9 @@ import numpy as np
 from jaxtyping import Float
 
 from identification.problem import Problem
-from identification.record import Record, coarse
 from identification.scan import scan
 from identification.unknowns import PER_SETTING, decode, encode
 from scdpr_jax.parameters import value
-
-SCAN_STEP = 1e-2
-"""Step of the scan [s]: a tenth of the fastest vibration that it has to follow."""
 
 SCAN_RUNS = 2
 """Runs of a setting that the scan looks at: those that move the furthest sideways."""
@@ -87,11 +83,10 @@ def starts(problem: Problem, progress: Callable[[str, float], None]) -> Start:
     scanned = problem.records is not None and bool(labels)
     if not scanned or not problem.unknowns.opened[shared.index((PER_SETTING, labels[0]))]:
         return Start((_with_knocks(problem, base),), ())
-    grid = coarse(problem.records, _factor(problem, SCAN_STEP))
     points, valleys = [base], []
     for number, label in enumerate(labels):
         progress(f"scan at {label}", number / len(labels))
-        found = _valleys(problem, grid, base, label)
+        found = _valleys(problem, base, label)
         valleys += [valley for valley, _ in found]
         if found:
             close = [
@@ -102,11 +97,6 @@ def starts(problem: Problem, progress: Callable[[str, float], None]) -> Start:
     return Start(tuple(points[:VALLEYS]), tuple(valleys))
 
 
-def _factor(problem: Problem, step: float) -> int:
-    duration = np.asarray(problem.records.inputs.duration)
-    return max(1, round(step / float(np.median(duration[duration > 0]))))
-
-
 def _drives_alone(problem: Problem, base: np.ndarray) -> np.ndarray:
     """The start with the drives' own quantities from the runs without the cable."""
     if problem.motor_records is None:
@@ -115,18 +105,16 @@ def _drives_alone(problem: Problem, base: np.ndarray) -> np.ndarray:
     return alone.minimise(base, iterations=30, decrement=1e-2).point
 
 
-def _valleys(
-    problem: Problem, grid: Record, base: np.ndarray, label: str
-) -> list[tuple[Valley, np.ndarray]]:
+def _valleys(problem: Problem, base: np.ndarray, label: str) -> list[tuple[Valley, np.ndarray]]:
     """Distinct minima at a setting with the vectors that they are at, the best first."""
     rows = _telling_runs(problem, label)
     if not rows:
         return []
     begun = [
         _at(problem, base, label, pretension, force)
-        for pretension, force in _scanned(problem, grid, base, label, rows)[:VALLEYS]
+        for pretension, force in _scanned(problem, base, label, rows)[:VALLEYS]
     ]
-    ends = problem.minimise_on(rows, begun, iterations=12, decrement=1.0)
+    ends = problem.minimise_on(rows, begun, iterations=12, decrement=1.0, share=1e-3)
     share = np.asarray(problem.rough.angle_share)[rows]
     count = float(np.sum(share)) + np.count_nonzero(
         np.asarray(problem.rough.frame_weight)[rows]
@@ -161,7 +149,7 @@ def _telling_runs(problem: Problem, label: str) -> list[int]:
 
 
 def _scanned(
-    problem: Problem, grid: Record, base: np.ndarray, label: str, rows: Sequence[int]
+    problem: Problem, base: np.ndarray, label: str, rows: Sequence[int]
 ) -> list[tuple[float, float]]:
     """Pretension and friction force [N] of the scan's minima, the best first."""
     tried = [(t, f) for t in PRETENSIONS for f in FRICTION_FORCES]
@@ -175,7 +163,7 @@ def _scanned(
         problem.unknowns.free,
         np.stack(vectors),
         list(rows) * len(tried),
-        grid,
+        problem.rough,
     )
     total = cost.reshape(len(PRETENSIONS), len(FRICTION_FORCES), len(rows)).sum(axis=2)
     over_friction = total.min(axis=1)
@@ -242,7 +230,6 @@ def _with_knocks(problem: Problem, point: np.ndarray) -> np.ndarray:
     knocked = [k for k, i in enumerate(problem.cabled) if problem.runs[i].knock is not None]
     if not knocked:
         return point
-    grid = coarse(problem.records, _factor(problem, SCAN_STEP))
     rows = []
     for k in knocked:
         for force in KNOCKS:
@@ -250,7 +237,7 @@ def _with_knocks(problem: Problem, point: np.ndarray) -> np.ndarray:
             moved[problem.own(problem.cabled[k])[3]] = force
             rows.append(moved[unknowns.of_run(problem.cabled[k])])
     which = [k for k in knocked for _ in KNOCKS]
-    cost = scan(problem.prior, unknowns.free, np.stack(rows), which, grid)
+    cost = scan(problem.prior, unknowns.free, np.stack(rows), which, problem.rough)
     for k, costs in zip(knocked, cost.reshape(len(knocked), len(KNOCKS)), strict=True):
         point[problem.own(problem.cabled[k])[3]] = KNOCKS[int(np.argmin(costs))]
     return point
