@@ -10,6 +10,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from scdpr_jax.once import once
 from scdpr_jax.parameters import Robot
 
 
@@ -62,15 +63,20 @@ def paths(robot: Robot, position: Float[Array, "5"]) -> Paths:
     Returns:
         The three paths.
     """
-    x, tilt, lower, upper, y = position
+    x, tilt, lower, upper, y = jnp.unstack(position)
     a, b = robot.end_effector.lower_offset, robot.end_effector.upper_offset
     height = robot.frame.height
-    sine, cosine = jnp.sin(tilt), jnp.cos(tilt)
+    sine, cosine = _direction(tilt)
     return Paths(
         alpha=Path(lower - x - a * sine, y - a * cosine),
         beta=Path(x - upper - b * sine, height - y - b * cosine),
         gamma=Path(lower - upper, height),
     )
+
+
+def _direction(angle: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """Sine and cosine of an angle, which are dear enough to be computed once only."""
+    return once(jnp.sin(angle)), once(jnp.cos(angle))
 
 
 def potential(robot: Robot, position: Float[Array, "5"]) -> Float[Array, ""]:
@@ -170,16 +176,18 @@ def loop_forces(robot: Robot, position: Float[Array, "5"]) -> LoopForces:
         path.direction for path in paths(robot, position)
     )
     a, b = robot.end_effector.lower_offset, robot.end_effector.upper_offset
-    sine, cosine = jnp.sin(position[1]), jnp.cos(position[1])
+    tilt = jnp.unstack(position)[1]
+    sine, cosine = _direction(tilt)
     lower_arm = a * (sin_a * cosine - cos_a * sine)
     upper_arm = b * (sin_b * cosine - cos_b * sine)
-    pull = jnp.stack(
-        [sin_a - sin_b, lower_arm + upper_arm, -sin_g - sin_a, sin_g + sin_b, cos_b - cos_a]
-    )
-    normal = jnp.stack([cos_g + cos_a, cos_g + cos_b])
+    pull = (sin_a - sin_b, lower_arm + upper_arm, -sin_g - sin_a, sin_g + sin_b, cos_b - cos_a)
+    normal = (cos_g + cos_a, cos_g + cos_b)
     cable = robot.cable
     tension = 2 * (cable.effective_pretension + cable.stiffness * lengthening(robot, position))
-    return LoopForces(tension * pull, tension * normal)
+    return LoopForces(
+        jnp.stack([tension * share for share in pull]),
+        jnp.stack([tension * share for share in normal]),
+    )
 
 
 def carriage_stiffness(robot: Robot, position: Float[Array, "5"]) -> Float[Array, "2 5"]:
@@ -199,7 +207,8 @@ def carriage_stiffness(robot: Robot, position: Float[Array, "5"]) -> Float[Array
     alpha, beta, gamma = paths(robot, position)
     (sin_a, cos_a), (sin_b, cos_b), (_, cos_g) = (p.direction for p in (alpha, beta, gamma))
     a, b = robot.end_effector.lower_offset, robot.end_effector.upper_offset
-    sine, cosine = jnp.sin(position[1]), jnp.cos(position[1])
+    tilt = jnp.unstack(position)[1]
+    sine, cosine = _direction(tilt)
     k_a, k_b, k_g = cos_a / alpha.length, cos_b / beta.length, jnp.square(cos_g) / gamma.length
     lower = [
         -k_a * cos_a,
@@ -215,8 +224,8 @@ def carriage_stiffness(robot: Robot, position: Float[Array, "5"]) -> Float[Array
         k_b * cos_b + k_g,
         -k_b * sin_b,
     ]
-    rows = jnp.stack([jnp.stack(lower), jnp.stack(upper)])
-    return 2 * robot.cable.effective_pretension * rows
+    tension = 2 * robot.cable.effective_pretension
+    return jnp.stack([jnp.stack([tension * k for k in row]) for row in (lower, upper)])
 
 
 def tension_increase(robot: Robot, torque: Float[Array, "2"]) -> Float[Array, ""]:

@@ -144,10 +144,23 @@ def smooth_forces(
         Forces on the coordinates [N, N m, N, N, N].
     """
     drive = robot.drive
-    dry = drive.frictions * jnp.tanh(pulley_rates(robot, velocity) / drive.friction_width)
-    pull = loop.pull + gravity_force(robot)
-    knocked = pull.at[0].add(knock)
-    return knocked + drive_forces(robot, torque - dry) - dampings(robot) * velocity
+    dry = [
+        friction * jnp.tanh(rate / drive.friction_width)
+        for friction, rate in zip(
+            jnp.unstack(drive.frictions),
+            jnp.unstack(pulley_rates(robot, velocity)),
+            strict=True,
+        )
+    ]
+    driven = drive_forces(robot, torque - jnp.stack(dry))
+    outer = gravity_force(robot).at[0].add(knock)
+    parts = (loop.pull, outer, driven, dampings(robot), velocity)
+    return jnp.stack(
+        [
+            pull + outer + drive - damping * speed
+            for pull, outer, drive, damping, speed in zip(*map(jnp.unstack, parts), strict=True)
+        ]
+    )
 
 
 def gravity_force(robot: Robot) -> Float[Array, "5"]:

@@ -21,6 +21,7 @@ from scdpr_jax.drive import motor_torque
 from scdpr_jax.dynamics import State, dampings, drive_forces, masses
 from scdpr_jax.fields import real, si
 from scdpr_jax.linear import linearise
+from scdpr_jax.once import once
 from scdpr_jax.parameters import Robot
 from scdpr_jax.stepping import friction_coefficients
 from scdpr_jax.stick_slip import Assumed, Quadratic, branch_at_start, deviation
@@ -244,14 +245,6 @@ class _Held(NamedTuple):
 
 def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
     h = tables.duration
-    # XLA's CPU back end computes a cheap value anew for each of its uses; a division by what
-    # is unknown to it is too dear for that.
-    number = 1 + jnp.square(jax.lax.stop_gradient(tables.transition[0][0]))
-    unity = number / number
-
-    def once(value: Float[Array, ""]) -> Float[Array, ""]:
-        return value / unity
-
     x, y, v, climb = state[:4], state[4], state[5:9], state[9]
     drive, knock, lift = held
     pushed = (drive, jnp.zeros_like(drive))
@@ -261,7 +254,7 @@ def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
     ahead = _assumed_end(tables, (*x, *v), carriages, forces, knock=knock)
     ahead = tuple(once(value) for value in ahead)
     deviations = [
-        deviation(_assumed(tables, i, carriage, v[2 + i], ahead, pushed[i]), once=once)
+        deviation(_assumed(tables, i, carriage, v[2 + i], ahead, pushed[i]))
         for i, carriage in enumerate(carriages)
     ]
 

@@ -11,6 +11,7 @@ through every event.
 A carriage that sticks has a velocity of exactly zero; that is the engine's only memory.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
@@ -23,11 +24,15 @@ from scdpr_jax.drive import motor_torque
 from scdpr_jax.dynamics import State, dampings, masses, smooth_forces
 from scdpr_jax.fields import real, si
 from scdpr_jax.friction import Coulomb
+from scdpr_jax.once import once
 from scdpr_jax.parameters import Robot
 from scdpr_jax.stick_slip import Assumed, Deviation, Quadratic, branch_at_start, deviation
 
-_CARRIAGES = slice(2, 4)
+_CARRIAGES = (2, 3)
 """The coordinates with friction, $q_3$ and $q_4$."""
+
+_Five = tuple[Float[Array, ""], ...]
+"""A scalar for each of the five coordinates."""
 
 
 class Inputs(eqx.Module):
@@ -106,22 +111,33 @@ def step(robot: Robot, state: State, held: Inputs) -> State:
     Raises:
         TypeError: If a carriage has another friction law.
     """
-    stages = _runge_kutta(robot, state, held)
-    response = _Response(
-        rate=(dampings(robot) / masses(robot))[_CARRIAGES],
-        couplings=carriage_stiffness(robot, state.position) / masses(robot)[None, :],
-    )
-    motions = _assumed_motions(state, held, stages, response)
-    return _deviate(held, stages.end, response, jax.vmap(deviation)(motions))
+    start = _Moving(*(tuple(jnp.unstack(part)) for part in (state.position, state.velocity)))
+    stages = _runge_kutta(robot, start, held)
+    mass = jnp.unstack(masses(robot))
+    stiffness = carriage_stiffness(robot, state.position)
+    carriages = [
+        _Carriage(
+            index=index,
+            rate=damping / mass[index],
+            couplings=tuple(k / m for k, m in zip(jnp.unstack(row), mass, strict=True)),
+        )
+        for index, damping, row in zip(
+            _CARRIAGES, jnp.unstack(dampings(robot))[2:4], jnp.unstack(stiffness), strict=True
+        )
+    ]
+    found = [deviation(_assumed_motion(held, stages, carriage)) for carriage in carriages]
+    return _deviate(held, stages.end, carriages, found)
 
 
-class _Response(NamedTuple):
-    """How the robot answers a carriage, at frozen coefficients."""
+class _Carriage(NamedTuple):
+    """A carriage and how the robot answers it, at frozen coefficients."""
 
-    rate: Float[Array, "2"]
-    """Damping of each carriage over its mass [1/s]."""
-    couplings: Float[Array, "2 5"]
-    """Restoring acceleration of each coordinate per displacement of a carriage [1/s²]."""
+    index: int
+    """Its place among the coordinates."""
+    rate: Float[Array, ""]
+    """Damping over its mass [1/s]."""
+    couplings: _Five
+    """Restoring acceleration of each coordinate per displacement of it [1/s²]."""
 
 
 _STAGES = (
@@ -138,94 +154,122 @@ _PLACES = (0, 3, 5)
 """The stages at the beginning, in the middle and at the end of the step."""
 
 
+class _Moving(NamedTuple):
+    """A state as scalars: batched, each is an array of its own."""
+
+    position: _Five
+    velocity: _Five
+
+
+class _Stage(NamedTuple):
+    """A stage of a Runge-Kutta step, with what acts over the masses [m/s², rad/s²]."""
+
+    at: _Moving
+    load: _Five
+    """All but the carriages' friction."""
+    limit: tuple[Float[Array, ""], ...]
+    """Largest friction of the lower and of the upper carriage."""
+    slope: _Five
+    """Acceleration on the branches."""
+
+
 class _Stages(NamedTuple):
-    """A Runge-Kutta step on the assumed branches: its beginning, middle and end."""
+    """A Runge-Kutta step on the branches that it began on."""
 
-    branch: Float[Array, "2"]
-    velocity: tuple[Float[Array, "5"], ...]
-    load: tuple[Float[Array, "5"], ...]
-    limit: Float[Array, "2"]
-    acceleration: tuple[Float[Array, "5"], ...]
-    end: State
+    branch: tuple[Float[Array, ""], ...]
+    """Branch of the lower and of the upper carriage."""
+    beginning: _Stage
+    middle: _Stage
+    last: _Stage
+    end: _Moving
 
 
-def _runge_kutta(robot: Robot, state: State, held: Inputs) -> _Stages:
-    mass = masses(robot)
+def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
+    mass = jnp.unstack(masses(robot))
     torque = motor_torque(robot.drive, held.voltage)
-    coefficients = friction_coefficients(robot)
+    coefficients = jnp.unstack(friction_coefficients(robot))
 
-    def balance(at: State) -> tuple[Float[Array, "5"], Float[Array, "2"]]:
-        loop = loop_forces(robot, at.position)
-        load = smooth_forces(robot, loop, at.velocity, torque=torque, knock=held.knock)
-        return load / mass, coefficients * loop.normal / mass[_CARRIAGES]
+    def balance(at: _Moving) -> tuple[_Five, tuple[Float[Array, ""], ...]]:
+        loop = loop_forces(robot, jnp.stack(at.position))
+        force = smooth_forces(
+            robot, loop, jnp.stack(at.velocity), torque=torque, knock=held.knock
+        )
+        load = tuple(once(f / m) for f, m in zip(jnp.unstack(force), mass, strict=True))
+        normal = zip(coefficients, jnp.unstack(loop.normal), mass[2:4], strict=True)
+        return load, tuple(once(mu * n / m) for mu, n, m in normal)
 
-    first_load, first_limit = balance(state)
-    branch = branch_at_start(state.velocity[_CARRIAGES], first_load[_CARRIAGES], first_limit)
+    load, limit = balance(start)
+    branch = tuple(
+        branch_at_start(start.velocity[i], load[i], own)
+        for i, own in zip(_CARRIAGES, limit, strict=True)
+    )
 
-    def accelerate(load: Float[Array, "5"], limit: Float[Array, "2"]) -> Float[Array, "5"]:
-        sliding = jnp.where(branch == 0, 0.0, load[_CARRIAGES] - branch * limit)
-        return load.at[_CARRIAGES].set(sliding)
+    def stage(at: _Moving, load: _Five, limit: tuple[Float[Array, ""], ...]) -> _Stage:
+        sliding = [
+            jnp.where(side == 0, 0.0, load[i] - side * own)
+            for i, side, own in zip(_CARRIAGES, branch, limit, strict=True)
+        ]
+        return _Stage(at, load, limit, (*load[:2], *sliding, load[4]))
 
-    h = held.duration
-    at, loads, limits = [state], [first_load], [first_limit]
-    slopes = [accelerate(first_load, first_limit)]
-
-    def ahead(weights: tuple[float, ...]) -> State:
-        known = [(w, s.velocity, a) for w, s, a in zip(weights, at, slopes, strict=True) if w]
-        return State(
-            state.position + h * sum(w * velocity for w, velocity, _ in known),
-            state.velocity + h * sum(w * slope for w, _, slope in known),
+    def ahead(weights: tuple[float, ...]) -> _Moving:
+        parts = [(held.duration * w, s) for w, s in zip(weights, stages, strict=True) if w]
+        return _Moving(
+            tuple(
+                once(q + sum(w * s.at.velocity[i] for w, s in parts))
+                for i, q in enumerate(start.position)
+            ),
+            tuple(
+                once(v + sum(w * s.slope[i] for w, s in parts))
+                for i, v in enumerate(start.velocity)
+            ),
         )
 
+    stages = [stage(start, load, limit)]
     for weights in _STAGES:
-        at.append(ahead(weights))
-        load, limit = balance(at[-1])
-        loads.append(load)
-        limits.append(limit)
-        slopes.append(accelerate(load, limit))
-    return _Stages(
-        branch=branch,
-        velocity=tuple(at[i].velocity for i in _PLACES),
-        load=tuple(loads[i] for i in _PLACES),
-        limit=limits[_PLACES[1]],
-        acceleration=tuple(slopes[i] for i in _PLACES),
-        end=ahead(_END),
-    )
+        at = ahead(weights)
+        stages.append(stage(at, *balance(at)))
+    return _Stages(branch, *(stages[i] for i in _PLACES), end=ahead(_END))
 
 
-def _assumed_motions(
-    state: State, held: Inputs, stages: _Stages, response: _Response
-) -> Assumed:
-    """The two carriages' assumed motions, as polynomials in the step's time."""
-    h = held.duration
+def _assumed_motion(held: Inputs, stages: _Stages, carriage: _Carriage) -> Assumed:
+    """A carriage's assumed motion, as polynomials in the step's time."""
+    h, i = held.duration, carriage.index
+    three = (stages.beginning, stages.middle, stages.last)
     # The load that holds a carriage has no damping in it: a carriage that is held rests.
     first, middle, last = (
-        h * (load[_CARRIAGES] + response.rate * velocity[_CARRIAGES])
-        for load, velocity in zip(stages.load, stages.velocity, strict=True)
+        h * (stage.load[i] + carriage.rate * stage.at.velocity[i]) for stage in three
     )
-    start, end = state.velocity[_CARRIAGES], stages.end.velocity[_CARRIAGES]
-    linear, _, end_slope = (h * slope[_CARRIAGES] for slope in stages.acceleration)
+    start, end = stages.beginning.at.velocity[i], stages.end.velocity[i]
+    linear, end_slope = h * stages.beginning.slope[i], h * stages.last.slope[i]
     quadratic = end - start - linear
     return Assumed(
-        branch=stages.branch,
+        branch=stages.branch[_CARRIAGES.index(i)],
         velocity=Quadratic(start, linear, quadratic),
         bend=end_slope - linear - 2 * quadratic,
         load=Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle),
-        limit=h * stages.limit,
-        stiffness=jnp.square(h) * jnp.diagonal(response.couplings[:, _CARRIAGES]),
+        limit=h * stages.middle.limit[_CARRIAGES.index(i)],
+        stiffness=jnp.square(h) * carriage.couplings[i],
     )
 
 
-def _deviate(held: Inputs, end: State, response: _Response, found: Deviation) -> State:
+def _deviate(
+    held: Inputs, end: _Moving, carriages: Sequence[_Carriage], found: Sequence[Deviation]
+) -> State:
     """The end of the step under the true friction."""
     h = held.duration
-    moved, sped = found.answer(h * response.rate)
-    shares = jax.vmap(Deviation.felt)(found, -jnp.square(h) * response.couplings)
-    displaced, hastened = (jnp.sum(share, axis=0) for share in shares)
-    position = (end.position + h * displaced).at[_CARRIAGES].add(h * moved)
-    velocity = (end.velocity + hastened).at[_CARRIAGES].add(sped)
-    sliding = jnp.where(found.sticks, 0.0, velocity[_CARRIAGES])
-    return State(position, velocity.at[_CARRIAGES].set(sliding))
+    position, velocity = list(end.position), list(end.velocity)
+    for carriage, own in zip(carriages, found, strict=True):
+        for k, coupling in enumerate(carriage.couplings):
+            displaced, hastened = own.felt(-jnp.square(h) * coupling)
+            position[k] += h * displaced
+            velocity[k] += hastened
+        moved, sped = own.answer(h * carriage.rate)
+        position[carriage.index] += h * moved
+        velocity[carriage.index] += sped
+    for carriage, own in zip(carriages, found, strict=True):
+        i = carriage.index
+        velocity[i] = jnp.where(own.sticks, 0.0, velocity[i])
+    return State(jnp.stack(position), jnp.stack(velocity))
 
 
 def friction_coefficients(robot: Robot) -> Float[Array, "2"]:

@@ -8,11 +8,12 @@ Time runs from 0 to 1 through the step, and accelerations are multiplied by the 
 length, so that everything here is a velocity [m/s].
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
+
+from scdpr_jax.once import once
 
 
 class Quadratic(NamedTuple):
@@ -105,9 +106,7 @@ def branch_at_start(
     return jnp.where(velocity != 0, jnp.sign(velocity), pushed)
 
 
-def deviation(
-    assumed: Assumed, *, once: Callable[[Array], Array] = lambda value: value
-) -> Deviation:
+def deviation(assumed: Assumed) -> Deviation:
     r"""Where the carriage leaves its branch, and how far the friction then deviates.
 
     A sliding carriage stops where its velocity passes zero. There the load decides: above
@@ -116,7 +115,6 @@ def deviation(
 
     Args:
         assumed: The motion on the branch that the carriage began on.
-        once: Wraps what is used many times and should be computed once only.
 
     Returns:
         Moments of the deviation and whether the carriage sticks in the end.
@@ -145,7 +143,7 @@ def deviation(
         jnp.where(rests, -load.quadratic, 0.0),
     )
     released = load._replace(constant=load.constant - jnp.sign(load(1.0)) * limit)
-    tails = [_tail(stopped, stop, once=once), _tail(released, release, once=once)]
+    tails = [_tail(stopped, stop), _tail(released, release)]
     return Deviation(
         tuple(once(_moment(order, *tails)) for order in range(4)), holds & (release == 1)
     )
@@ -222,12 +220,7 @@ class _Tail(NamedTuple):
     coefficients: Quadratic
 
 
-def _tail(
-    polynomial: Quadratic,
-    begin: Float[Array, ""],
-    *,
-    once: Callable[[Array], Array] = lambda value: value,
-) -> _Tail:
+def _tail(polynomial: Quadratic, begin: Float[Array, ""]) -> _Tail:
     left = 1 - begin
     _, linear, quadratic = polynomial
     coefficients = Quadratic(

@@ -68,7 +68,7 @@ def test_a_carriage_that_would_turn_round_for_a_moment_sticks(branch):
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_held_carriage_breaks_away_where_its_load_passes_the_limit(side):
-    found = deviation(assumed(0, (0, 0, 0), (side * 0.5, side * 1.0, 0.0)))
+    found = deviation(assumed(0, (0.0, 0.0, 0.0), (side * 0.5, side * 1.0, 0.0)))
     assert_moments(found, moments_of(lambda t: side * (0.5 + t - LIMIT), begin=0.5))
     assert not found.sticks
 
