@@ -11,13 +11,9 @@ class Refinement:
     """What it is, for a verdict: "the usual model lacks …"."""
     free: tuple[str, ...]
     """Names of the quantities that it frees."""
-    own_start: bool = False
-    """Whether it is fitted from default starts, before any other: what the usual model puts
-    into the carriages' friction keeps this one at its bound."""
 
 
 REFINEMENTS: tuple[Refinement, ...] = (
-    Refinement("dry friction in the drives", ("drive_friction",), own_start=True),
     Refinement("drives with dry friction of their own each", ("drive_friction_difference",)),
     Refinement("a tension that rises as the loop's path gets longer", ("loop_stiffness",)),
     Refinement(

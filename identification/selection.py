@@ -35,9 +35,8 @@ def select(
     Forward selection: of the refinements that aren't in yet, the score test's statistic
     $g^T I^{-1} g$ of each tells how far the misfit would fall, with the gradient $g$ and the
     information $I$ that the present fit leaves open for its quantities. The most promising
-    is added and fitted; one with its own start comes first, since a score at its bound tells
-    nothing. Of the models on that way the one is chosen that predicts the held-out runs best,
-    or, without any, that has the least of Schwarz's criterion.
+    is added and fitted. Of the models on that way the one is chosen that predicts the
+    held-out runs best, or, without any, that has the least of Schwarz's criterion.
 
     Reference: C. R. Rao, "Large sample tests of statistical hypotheses concerning several
     parameters", Math. Proc. Camb. Phil. Soc. 44, 1948, doi:10.1017/S0305004100023987.
@@ -75,17 +74,10 @@ def select(
         )
         point = _embedding(whole, problem) @ minimum.point
         fits.append(_Fit(tuple(added), problem, minimum, point))
-        promised = [
-            math.inf if one.own_start else promise
-            for one, promise in zip(left, _promises(whole, problem, point, left), strict=True)
-        ]
+        promised = _promises(whole, problem, point, left)
         if not promised or max(promised) <= 0:
             break
         added.append(left.pop(int(np.argmax(promised))))
-        if added[-1].own_start:
-            free = (*DEFAULT_FREE, *(name for one in added for name in one.free))
-            anew = estimate(campaign, hold_out=hold_out, free=free)
-            point = vector(whole, anew)
     progress("models on the runs held out", 0.85)
     models = _models(whole, fits)
     choice = _choice(models)

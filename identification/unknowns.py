@@ -22,9 +22,11 @@ DEFAULT_FREE = (
     "friction_coefficient",
     "drive_inertia",
     "drive_damping",
+    "drive_friction",
     "effective_pretension",
 )
-"""What is estimated unless the caller chooses otherwise."""
+"""What is estimated unless the caller chooses otherwise: no drive is without dry friction, and
+where it is left out the carriages' takes it up."""
 
 FOLLOWS = {"upper_friction_coefficient": "friction_coefficient"}
 """Quantities that have the value of another one as long as they aren't free."""

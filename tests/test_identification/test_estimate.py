@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from experiments import rig
+from experiments.recovery import DRAWN
 from identification.accumulate import run_residuals
 from identification.estimate import estimate
 from identification.record import stacked
 from identification.start import Clock
-from identification.unknowns import DEFAULT_FREE, encode
+from identification.unknowns import encode
 from scdpr_jax.prototype import consistent
 
 RUNS = ("0001-torque-step", "0003-torque-step", "0008-pseudo-impulse", "0013-motor-step")
@@ -40,7 +41,7 @@ def found(campaign):
     return estimate(campaign, hold_out=[HELD_OUT])
 
 
-@pytest.mark.parametrize("name", DEFAULT_FREE)
+@pytest.mark.parametrize("name", DRAWN)
 def test_every_truth_is_inside_its_interval_from_a_start_far_away(found, truth, name):
     (parameter,) = (p for p in found.parameters if p.name == name)
     low, high = parameter.interval(0.997)
@@ -48,7 +49,7 @@ def test_every_truth_is_inside_its_interval_from_a_start_far_away(found, truth, 
     assert parameter.status == "identified"
 
 
-@pytest.mark.parametrize("name", DEFAULT_FREE)
+@pytest.mark.parametrize("name", DRAWN)
 def test_the_estimate_is_as_close_as_a_user_needs(found, truth, name):
     (parameter,) = (p for p in found.parameters if p.name == name)
     needed = 0.005 if name.startswith("drive") else 0.02
@@ -89,12 +90,12 @@ def test_jacobians_agree_with_differences(campaign, truth):
         lambda leaf: leaf[0],
         stacked([run], [Clock(0.0, 0.0)], campaign.sensors, height=1.112),
     )
-    free = [encode(name, truth.values[name]) for name in DEFAULT_FREE]
+    free = [encode(name, truth.values[name]) for name in DRAWN]
     point = jnp.array([*free, *record.known[:3], -40.0, 0.0])
     robot = consistent()
 
     def frames(x):
-        return run_residuals(robot, DEFAULT_FREE, x, record).frame.ravel()
+        return run_residuals(robot, DRAWN, x, record).frame.ravel()
 
     slope = jax.jit(jax.jacfwd(frames))(point)
     evaluate = jax.jit(frames)

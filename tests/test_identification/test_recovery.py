@@ -2,8 +2,7 @@
 
 import pytest
 
-from experiments.recovery import outcomes
-from identification.unknowns import DEFAULT_FREE
+from experiments.recovery import DRAWN, outcomes
 
 CAMPAIGNS = 100
 
@@ -19,7 +18,7 @@ def test_99_of_100_end_in_the_right_minimum_from_default_starts(found):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", DEFAULT_FREE)
+@pytest.mark.parametrize("name", DRAWN)
 def test_95_percent_intervals_hold_the_truth_in_90_to_98_percent(found, name):
     right = [one for one in found if one.right]
     assert 0.90 <= sum(one.covered[name] for one in right) / len(right) <= 0.98

@@ -41,7 +41,6 @@ def test_what_a_rig_has_beyond_the_usual_model_is_named():
     rig = truth._replace(robot=replace(truth.robot, values))
     found = select(recovery.campaign(rig, 7))
     assert "a tension that rises as the loop's path gets longer" in found.lacks
-    assert "dry friction in the drives" in found.lacks
     by_name = {p.name: p for p in found.parameters}
     for name, number in values.items():
         assert abs(by_name[name].value / number - 1) < 0.02
