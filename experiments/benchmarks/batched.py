@@ -1,12 +1,14 @@
 """Many points through one function, the same way for every contender."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
+
+from experiments.benchmarks.timing import fastest
 
 
 def batched(
@@ -26,6 +28,46 @@ def batched(
         The results, stacked.
     """
     return _all(function, jnp.asarray(points), chunk)
+
+
+def call(
+    function: Callable[[Array], Array], points: Float[np.ndarray, "points ..."], chunk: int
+) -> Callable[[], Float[Array, "points ..."]]:
+    """`batched`, to be called later.
+
+    Args:
+        function: The function of a point.
+        points: The points.
+        chunk: Points at a time.
+
+    Returns:
+        What to call.
+    """
+    return lambda: batched(function, points, chunk=chunk)
+
+
+def best_chunk(
+    function: Callable[[Array], Array],
+    points: Float[np.ndarray, "points ..."],
+    chunks: Sequence[int],
+    *,
+    largest: int,
+) -> int:
+    """The number of points at a time with which a function is fastest.
+
+    Args:
+        function: The function of a point.
+        points: Points to try it on, as many as the largest chunk.
+        chunks: Numbers to try.
+        largest: Largest number to try.
+
+    Returns:
+        The fastest.
+    """
+    tried = [chunk for chunk in chunks if chunk <= largest] or [1]
+    if len(tried) == 1:
+        return tried[0]
+    return fastest({c: call(function, points[: max(tried)], c) for c in tried})
 
 
 @eqx.filter_jit

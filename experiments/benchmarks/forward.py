@@ -7,13 +7,13 @@ import numpy as np
 from jaxtyping import Float
 
 from experiments.benchmarks import mujoco_peer, scipy_peer
-from experiments.benchmarks.batched import batched
+from experiments.benchmarks.batched import batched, best_chunk, call
 from experiments.benchmarks.contender import Contender
 from experiments.benchmarks.diffrax_peers import WIDTH, Smoothed, SmoothedLinear
 from experiments.benchmarks.engines import LinearEngine, NonlinearEngine
 from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.problem import DURATION, PARTS, REFINED, drawn, error
-from experiments.benchmarks.timing import Timed, fastest, interleaved
+from experiments.benchmarks.timing import Timed, interleaved
 
 BATCHES = (1, 64, 1024, 4096)
 """Runs at once."""
@@ -76,7 +76,7 @@ def _forward(
         "diffrax Kvaerno5 1e-5": (smooth(diffrax.Kvaerno5(), 1e-5), values),
     }
     chunk = {
-        name: _best_chunk(*contender, settings)
+        name: best_chunk(*contender, CHUNKS, largest=settings.largest_batch)
         for name, contender in contenders.items()
         if "Kvaerno5" not in name
     }
@@ -89,7 +89,7 @@ def _forward(
         size = {name: min(chunk.get(name, IMPLICIT_UP_TO), batch) for name in taking_part}
         times = interleaved(
             {
-                name: _call(contender, points[:batch], size[name])
+                name: call(contender, points[:batch], size[name])
                 for name, (contender, points) in taking_part.items()
             },
             repeats=settings.repeats,
@@ -103,22 +103,6 @@ def _forward(
         IMPLICIT_UP_TO + 1,
         note="larger batches not run, to keep this short",
     )
-
-
-def _call(
-    contender: Contender, values: Float[np.ndarray, "runs 4"], chunk: int
-) -> Callable[[], Float[np.ndarray, "runs rows 5"]]:
-    return lambda: batched(contender, values, chunk=chunk)
-
-
-def _best_chunk(
-    contender: Contender, values: Float[np.ndarray, "runs 4"], settings: Settings
-) -> int:
-    most = max(settings.largest_batch, 1)
-    chunks = [c for c in CHUNKS if c <= most] or [1]
-    if len(chunks) == 1:
-        return chunks[0]
-    return fastest({c: _call(contender, values[: max(chunks)], c) for c in chunks})
 
 
 def _line(
@@ -159,7 +143,7 @@ def _single(
 ) -> Line:
     values = drawn(1)
     peer = Smoothed(diffrax.Tsit5(), 1e-4)
-    calls = {name: lambda: run(values[0]), "Tsit5": _call(peer, values, 1)}
+    calls = {name: lambda: run(values[0]), "Tsit5": call(peer, values, 1)}
     times = interleaved(calls, repeats=settings.repeats)
     timed = times[name]
     return Line(

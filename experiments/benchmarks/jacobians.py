@@ -1,6 +1,6 @@
 """Jacobians by four parameters, in one forward-mode pass."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import diffrax
 import jax
@@ -8,18 +8,18 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from experiments.benchmarks.batched import batched
+from experiments.benchmarks.batched import batched, best_chunk, call
 from experiments.benchmarks.contender import Contender
-from experiments.benchmarks.diffrax_peers import SmoothedLinear
-from experiments.benchmarks.engines import LinearEngine
+from experiments.benchmarks.diffrax_peers import Smoothed, SmoothedLinear
+from experiments.benchmarks.engines import LinearEngine, NonlinearEngine
 from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.problem import ARM, FREE, PARTS, REFINED, drawn
 from experiments.benchmarks.timing import interleaved
 
 BATCHES = (64, 1024)
 """Runs at once."""
-CHUNK = 64
-"""Of every contender."""
+CHUNKS = (8, 16, 32, 64, 128)
+"""Chunks among which each of ours has its fastest."""
 PEER_UP_TO = 64
 """Largest batch of diffrax's forward mode."""
 JUDGED = 16
@@ -46,32 +46,54 @@ def linear(settings: Settings) -> Iterator[Line]:
     Yields:
         Lines of the table.
     """
-    row = "Jacobian by 4, linear"
-    engine = LinearEngine()
-    forward_mode = SmoothedLinear(diffrax.Tsit5(), 1e-4, diffrax.ForwardMode())
+    yield from _jacobians("Jacobian by 4, linear", LinearEngine, SmoothedLinear, settings)
+
+
+def nonlinear(settings: Settings) -> Iterator[Line]:
+    """Jacobians of the nonlinear model.
+
+    Args:
+        settings: How thoroughly to measure.
+
+    Yields:
+        Lines of the table.
+    """
+    yield from _jacobians("Jacobian by 4, nonlinear", NonlinearEngine, Smoothed, settings)
+
+
+def _jacobians(
+    row: str,
+    engine: Callable[[int], Contender],
+    smooth: Callable[[diffrax.AbstractSolver, float, diffrax.AbstractAdjoint], Contender],
+    settings: Settings,
+) -> Iterator[Line]:
+    peer = "diffrax ForwardMode, Tsit5 1e-4"
+    forward_mode = Jacobian(smooth(diffrax.Tsit5(), 1e-4, diffrax.ForwardMode()))
+    ours = {"forward": engine(PARTS), "this": Jacobian(engine(PARTS))}
     values = drawn(max(JUDGED, settings.largest_batch))
-    exact = Jacobian(LinearEngine(REFINED * PARTS))
+    exact = Jacobian(engine(REFINED * PARTS))
     truth = batched(exact, values[:JUDGED], chunk=JUDGED)
+    # The peer's is the slowest of all: its chunk is the batch.
+    chunk = {
+        name: best_chunk(one, values, CHUNKS, largest=settings.largest_batch)
+        for name, one in ours.items()
+    }
     for batch in (b for b in BATCHES if b <= settings.largest_batch):
-        taking_part = {"forward": engine, "this": Jacobian(engine)}
-        if batch <= PEER_UP_TO:
-            taking_part["diffrax ForwardMode, Tsit5 1e-4"] = Jacobian(forward_mode)
+        taking_part = {**ours, peer: forward_mode} if batch <= PEER_UP_TO else ours
+        size = {name: min(chunk.get(name, batch), batch) for name in taking_part}
         times = interleaved(
             {
-                name: lambda contender=contender, batch=batch: batched(
-                    contender, values[:batch], chunk=min(CHUNK, batch)
-                )
+                name: call(contender, values[:batch], size[name])
                 for name, contender in taking_part.items()
             },
             repeats=settings.repeats,
         )
-        ours = times["this"].median
         for name in list(taking_part)[1:]:
             timed = times[name]
             forward = timed.median / times["forward"].median
             ratio = f"{forward:.1f} times this engine's forward"
             if name != "this":
-                ratio += f"; this is {timed.median / ours:.1f} × faster"
+                ratio += f"; this is {timed.median / times['this'].median:.1f} × faster"
             yield Line(
                 row=row,
                 contender=name,
@@ -82,14 +104,9 @@ def linear(settings: Settings) -> Iterator[Line]:
                 compile=timed.compile,
                 ratio=ratio,
                 error=_error(timed.result[:JUDGED], truth),
-                note=f"chunks of {min(CHUNK, batch)}",
+                note=f"chunks of {size[name]}, forward of {size['forward']}",
             )
-    yield Line(
-        row,
-        "diffrax ForwardMode, Tsit5 1e-4",
-        PEER_UP_TO + 1,
-        note="larger batches not run, to keep this short",
-    )
+    yield Line(row, peer, PEER_UP_TO + 1, note="larger batches not run, to keep this short")
 
 
 def _error(

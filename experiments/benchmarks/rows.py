@@ -8,7 +8,8 @@ from experiments.benchmarks.line import Line, Settings
 ROWS: tuple[tuple[str, Callable[[Settings], Iterator[Line]]], ...] = (
     ("forward-linear", forward.linear),
     ("forward-nonlinear", forward.nonlinear),
-    ("jacobian", jacobians.linear),
+    ("jacobian-linear", jacobians.linear),
+    ("jacobian-nonlinear", jacobians.nonlinear),
     ("fit", fits.linear),
     ("frequencies", frequencies.million),
     ("cold-start", cold_start.single_run),

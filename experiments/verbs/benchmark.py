@@ -8,7 +8,13 @@ from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, wrote
 
 Row = Literal[
-    "forward-linear", "forward-nonlinear", "jacobian", "fit", "frequencies", "cold-start"
+    "forward-linear",
+    "forward-nonlinear",
+    "jacobian-linear",
+    "jacobian-nonlinear",
+    "fit",
+    "frequencies",
+    "cold-start",
 ]
 
 
