@@ -4,10 +4,10 @@ Friction force $4T\mu$, drive inertia and damping, and effective pretension, of 
 one height each. All runs of a batch have one grid; every run is a lane of its own, and a lane
 that fails is a row with its reason, never a lost batch.
 
-A start is put right in three stages, coarse to fine: the encoders alone tell the drives and
-the friction force, hardly minding the vibration; a scan over the pretension then finds the
-valley of the vibration's phase; and all channels together end in it. Lanes that aren't there
-yet go on among themselves.
+A start is put right in three stages: the momentum of the whole robot tells the drives and
+the friction force, whatever the loop does inside of it; a scan over the pretension then finds
+the valley of the vibration's phase; and all channels together end in it. Lanes that aren't
+there yet go on among themselves.
 """
 
 import dataclasses
@@ -20,6 +20,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.batches import in_chunks
+from scdpr_jax.drive import motor_torque
 from scdpr_jax.dynamics import rest
 from scdpr_jax.fields import real, si
 from scdpr_jax.linear_stepping import simulate_linear
@@ -92,7 +93,7 @@ def estimate_many(
     starts: Float[np.ndarray, "runs 4"],
     *,
     interval: float,
-    rounds: int = 4,
+    rounds: int = 6,
 ) -> ManyEstimates:
     """Fit every run by itself, all of them in one batch.
 
@@ -120,30 +121,30 @@ def estimate_many(
     alike = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count, *leaf.shape)), robot)
     given = (alike, np.full(count, interval), runs)
 
-    def followed(
-        points: np.ndarray, *, channels: np.ndarray, free: np.ndarray, enough: float
-    ) -> tuple[_Lane, np.ndarray]:
-        """Lanes that are followed until they promise less than a share of their misfit."""
-        steps, left, lanes = np.zeros(count, dtype=int), np.arange(count), None
-        while left.size and steps.max() < rounds * STEPS:
-            chosen = jax.tree.map(lambda leaf, left=left: np.asarray(leaf)[left], given)
-            alike = (np.tile(channels, (left.size, 1)), np.tile(free, (left.size, 1)))
-            at = points if lanes is None else lanes.point
-            found = in_chunks(_followed, (*chosen, at[left], *alike), size=LANES)
-            if lanes is None:
-                lanes = _Lane(*map(np.array, found))
-            for whole, part in zip(lanes, found, strict=True):
-                whole[left] = part
-            steps[left] += STEPS
-            still = lanes.promised <= np.maximum(CONVERGED, enough * lanes.cost)
-            left = np.flatnonzero(np.isfinite(lanes.cost) & ~still)
-        return lanes, steps
-
-    # The encoders hardly tell the pretension: it stays where it is.
-    drives, _ = followed(_encoded(starts), channels=ENCODERS, free=NOT_PRETENSION, enough=0.1)
-    points = in_chunks(_scanned, (*given, drives.point), size=LANES)
-    lanes, steps = followed(points, channels=np.ones(6), free=np.ones(4), enough=0.0)
+    begun = in_chunks(_balanced, (*given, _encoded(starts)), size=LANES)
+    points = in_chunks(_scanned, (*given, begun), size=LANES)
+    lanes, steps = _followed_together(given, points, rounds=rounds)
     return _judged(lanes, np.sum(np.asarray(runs.weight) > 0, axis=(1, 2)), steps)
+
+
+def _followed_together(
+    given: tuple[Robot, np.ndarray, ShortRuns], points: np.ndarray, *, rounds: int
+) -> tuple["_Lane", np.ndarray]:
+    """Lanes that are followed until they promise nothing, and the steps that each took."""
+    count = len(points)
+    steps, left, lanes = np.zeros(count, dtype=int), np.arange(count), None
+    while left.size and steps.max() < rounds * STEPS:
+        chosen = jax.tree.map(lambda leaf, left=left: np.asarray(leaf)[left], given)
+        at = points if lanes is None else lanes.point
+        found = in_chunks(_followed, (*chosen, at[left]), size=LANES)
+        if lanes is None:
+            lanes = _Lane(*map(np.array, found))
+        for whole, part in zip(lanes, found, strict=True):
+            whole[left] = part
+        steps[left] += STEPS
+        going_on = np.isfinite(lanes.cost) & (lanes.promised > CONVERGED)
+        left = np.flatnonzero(going_on)
+    return lanes, steps
 
 
 STEPS = 4
@@ -159,8 +160,70 @@ def _encoded(values: Float[np.ndarray, "runs 4"]) -> Float[np.ndarray, "runs 4"]
 ENCODERS = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 """Which channels are the encoders'."""
 
-NOT_PRETENSION = np.array([1.0, 1.0, 1.0, 0.0])
-"""Which unknowns the encoders tell."""
+STANDING = 4.0
+"""Travel of the lower carriage in an interval over its encoders' noise, up to which it may
+stand [1]."""
+
+
+LARGEST_SHARE = 5.0
+"""Most that the momentum may change a start by, either way [1]: where friction is a small part
+of it, what is left of it is taken from the start."""
+
+
+def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
+    r"""The start with friction force, inertia and damping by the whole robot's momentum.
+
+    The loop's forces are internal, so that from rest, twice integrated,
+
+    $$ m_e \Delta x_e + m_3 \Delta q_3 + m_4 \Delta q_4 - \iint (\tau_1 + \tau_2)/r + F_k
+       = -\tfrac{2J}{r^2} \Delta q_3 - \tfrac{2b}{r^2} \int \Delta q_3
+         - F \iint (\mathrm{sgn}\,\dot q_3 + \mathrm{sgn}\,\dot q_4) $$
+
+    linear in J, b and F. The upper carriage is taken to slide as the lower one does, up to
+    where that one stands again: the friction that holds it isn't known.
+    """
+    robot, interval, run, start = given
+    radius = value(robot, "effective_radius")
+    weight, measured = run.weight, run.measured - run.measured[:1]
+    lower = radius / 2 * (measured[:, 0] + measured[:, 1])
+    noise = radius / jnp.sqrt(jnp.sum(jnp.square(weight[0, :2])))
+    travel = jnp.diff(lower)
+    slides = jnp.abs(travel) > STANDING * noise
+    begun = jnp.cumsum(slides) > 0
+    stood = jnp.cumsum(begun & ~slides) > 0
+
+    def integral(held: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+        return interval * jnp.concatenate([jnp.zeros_like(held[:1]), jnp.cumsum(held)])
+
+    def twice(held: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+        speed = integral(held)
+        return integral((speed[1:] + speed[:-1]) / 2)
+
+    torque = jnp.sum(motor_torque(robot.drive, run.voltage), axis=1)
+    masses = (
+        value(robot, f"{name}_mass")
+        for name in ("end_effector", "lower_carriage", "upper_carriage")
+    )
+    moved = (measured[:, 2], lower, measured[:, 5])
+    left = sum(m * by for m, by in zip(masses, moved, strict=True))
+    right = left - twice(torque / radius + run.knock)
+    columns = jnp.stack(
+        [
+            -2 * twice(jnp.where(slides, jnp.sign(travel), 0.0)),
+            -2 / jnp.square(radius) * lower,
+            -2 / jnp.square(radius) * integral((lower[1:] + lower[:-1]) / 2),
+        ],
+        axis=1,
+    )
+    used = (weight[:, 2] > 0) & (weight[:, 5] > 0) & ~jnp.concatenate([stood[:1], stood])
+    scale = jnp.exp(start[:3])
+    system = jnp.where(used[:, None], columns * scale[None, :], 0.0)
+    normal = system.T @ system
+    # Where too little is seen, a billionth leads to the start itself.
+    regular = 1e-9 * jnp.trace(normal) + jnp.finfo(normal.dtype).tiny
+    rest = system.T @ (jnp.where(used, right, 0.0) - system @ jnp.ones_like(scale))
+    share = 1 + jnp.linalg.solve(normal + regular * jnp.eye(3, dtype=normal.dtype), rest)
+    return start.at[:3].add(jnp.log(jnp.clip(share, 1 / LARGEST_SHARE, LARGEST_SHARE)))
 
 
 def _scanned(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
@@ -178,10 +241,9 @@ def _scanned(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
     return start.at[3].add(jnp.log(best))
 
 
-def _followed(given: tuple[Robot, Array, ShortRuns, Array, Array, Array]) -> _Lane:
-    """`STEPS` steps by Levenberg and Marquardt on some channels, over the free unknowns."""
-    robot, interval, run, start, channels, free = given
-    run = eqx.tree_at(lambda r: r.weight, run, run.weight * channels[None, :])
+def _followed(given: tuple[Robot, Array, ShortRuns, Array]) -> _Lane:
+    """`STEPS` steps by Levenberg and Marquardt."""
+    robot, interval, run, start = given
 
     def normal(point: Float[Array, "4"]) -> tuple[Array, Array, Array]:
         def both(x: Float[Array, "4"]) -> tuple[Array, Array]:
@@ -189,7 +251,7 @@ def _followed(given: tuple[Robot, Array, ShortRuns, Array, Array, Array]) -> _La
             return found, found
 
         jacobian, found = jax.jacfwd(both, has_aux=True)(point)
-        jacobian = (free[None, None, :] * jacobian).reshape(-1, 4)
+        jacobian = jacobian.reshape(-1, 4)
         cost = jnp.sum(jnp.square(found))
         good = jnp.isfinite(cost) & jnp.all(jnp.isfinite(jacobian))
         cost = jnp.where(good, cost, jnp.inf)
