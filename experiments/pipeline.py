@@ -150,6 +150,7 @@ def write_calibration(
         frequencies = out / "frequencies.csv"
         write_frequencies(calibration.frequencies, frequencies)
         written.append(frequencies)
+    written += write_tuned(out, calibration.tuning)
     write_report(
         report,
         title=f"Calibration of {calibration.campaign.name}",
@@ -160,7 +161,7 @@ def write_calibration(
         truth=truth,
         notes=list(calibration.notes),
     )
-    return (*written, *write_tuned(out, calibration.tuning))
+    return tuple(written)
 
 
 def write_tuned(out: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, ...]:

@@ -51,12 +51,12 @@ voltage = lsim(feedback(commanding, sampled_plant), angle_reference, time); % [V
 fprintf('margins: %.1f dB, %.1f deg\n', 20 * log10(gain_margin), phase_margin);
 fprintf('largest command %.2f V of %.2f V\n', max(abs(voltage)), voltage_limit);
 
-figure
-subplot(2, 1, 1)
-plot(time, angle_reference, time, angle)
-ylabel('angle [rad]')
-legend('shaped reference', 'bare drive')
-subplot(2, 1, 2)
-plot(time, voltage)
-xlabel('time [s]')
-ylabel('command [V]')
+figure;
+subplot(2, 1, 1);
+plot(time, angle_reference, time, angle);
+ylabel('angle [rad]');
+legend('shaped reference', 'bare drive');
+subplot(2, 1, 2);
+plot(time, voltage);
+xlabel('time [s]');
+ylabel('command [V]');
