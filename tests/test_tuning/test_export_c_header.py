@@ -147,6 +147,22 @@ def test_commands_are_those_of_the_saturated_pd(program, tuning, rows):
     assert np.max(np.abs(found[:, 4:] - np.asarray(expected))) <= 1e-12  # V
 
 
+def test_commands_from_the_unshaped_reference_on_are_ours(program, tuning, rows):
+    controller, robot = tuning.controller, tuning.robot_at().robot
+    reference, measured, feedforward = (jnp.asarray(rows[:, i : i + 2]) for i in (0, 2, 4))
+    shaped = shape(tuning.shapers[0].shaper, reference, controller.period)
+    given = (angles_of(robot, shaped), measured, feedforward)
+    expected = commands(controller, robot.drive.voltage_limit, *given)
+    # Both sums of impulses round, by some 8 eps of the largest position; the derivative
+    # divides the difference of two by the period.
+    gain = controller.proportional_gain + 2 * controller.derivative_gain / controller.period
+    rounding = 8 * np.finfo(float).eps * np.max(np.abs(rows[:, :2]))
+    tolerance = float(gain / robot.drive.effective_radius) * rounding
+    error = np.max(np.abs(run(program, rows, "0")[:, 4:] - np.asarray(expected)))
+    assert error <= tolerance  # V, 1e-10 at most
+    assert tolerance <= 1e-10
+
+
 def test_the_made_up_commands_saturate_and_dont(program, tuning):
     limit = float(tuning.robot_at().robot.drive.voltage_limit)
     share = np.mean(np.abs(run(program, made_up(), "0")[:, 4:]) == limit)
