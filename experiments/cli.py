@@ -9,7 +9,7 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("identify", "the robot's parameters with their uncertainty: parameters.json"),
     ("identify-drive", "one motor-driven axis: inertia, friction, offset from a log"),
     ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
-    ("tune", "gains and input shapers from parameters and frequencies: tuning.json"),
+    ("tune", "gains and input shapers from parameters and frequencies: tuning.json, export/"),
     ("shape", "the input shaper for a measured spectrum: shaper.json"),
     ("plan", "references and feed-forward of one leg that arrives without vibration"),
     ("simulate", "one manoeuvre of a fitted robot"),

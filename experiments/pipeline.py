@@ -16,6 +16,7 @@ from identification.frequency_map import FrequencyMap, frequency_map, write_freq
 from identification.selection import select
 from scdpr_jax.prototype import consistent
 from tuning.document import write_tuning
+from tuning.export import write_exports
 from tuning.optimise import LEG_TIMES, Effort
 from tuning.tune import prepare, tune
 from tuning.types import Tuning
@@ -142,14 +143,14 @@ def write_calibration(
         The files, the report first.
     """
     report = out / "report.html"
-    parameters, tuning = out / "parameters.json", out / "tuning.json"
+    parameters = out / "parameters.json"
     written = [report, parameters]
     write_parameters(parameters, calibration.estimate)
     if calibration.frequencies is not None:
         frequencies = out / "frequencies.csv"
         write_frequencies(calibration.frequencies, frequencies)
         written.append(frequencies)
-    write_tuning(tuning, calibration.tuning)
+    written += write_tuned(out, calibration.tuning)
     write_report(
         report,
         title=f"Calibration of {calibration.campaign.name}",
@@ -160,7 +161,25 @@ def write_calibration(
         truth=truth,
         notes=list(calibration.notes),
     )
-    return (*written, tuning)
+    return tuple(written)
+
+
+def write_tuned(out: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, ...]:
+    """Write `tuning.json`, and beside it the tuning as other programs run it.
+
+    Args:
+        out: The folder; the other programs' files go into its `export`.
+        tuning: The tuning.
+
+    Returns:
+        The files, `tuning.json` first.
+
+    Raises:
+        ValueError: If the tuning has no fitted robot, or no shaper.
+    """
+    own = out / "tuning.json"
+    write_tuning(own, tuning)
+    return (own, *write_exports(out / "export", tuning))
 
 
 def _notes(campaign: Campaign, found: Estimate) -> list[str]:

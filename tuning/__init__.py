@@ -16,6 +16,8 @@ from tuning.design import least_residual as least_residual
 from tuning.design import worst_residual as worst_residual
 from tuning.document import read_tuning as read_tuning
 from tuning.document import write_tuning as write_tuning
+from tuning.export import control_objects as control_objects
+from tuning.export import write_exports as write_exports
 from tuning.loop_shaping import shape_loop as shape_loop
 from tuning.loop_shaping import shape_sampled_loop as shape_sampled_loop
 from tuning.margins import Margins as Margins

@@ -20,7 +20,8 @@ def calibrate(
 
     Args:
         campaign: Folder of the campaign, format 1.
-        out: Folder for parameters.json, frequencies.csv, tuning.json and report.html.
+        out: Folder for parameters.json, frequencies.csv, tuning.json, report.html and, in
+            its folder export, the tuning in C, for LabVIEW and for MATLAB.
         skip_bad_runs: Go on without runs that have faults, and say which.
         free: Quantities to estimate; default: friction, drive inertia and damping, and
             the effective pretension of each setting, and where these leave more than noise

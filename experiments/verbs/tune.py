@@ -13,23 +13,22 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
     Args:
         parameters: parameters.json of `scdpr identify`.
         frequencies: frequencies.csv of `scdpr frequencies`.
-        out: Folder for tuning.json.
+        out: Folder for tuning.json and, in its folder export, the tuning in C, for LabVIEW
+            and for MATLAB.
     """
     set_up()
     from experiments import summary
     from experiments.parameters_file import read_parameters
+    from experiments.pipeline import write_tuned
     from identification.frequency_map import read_frequencies
-    from tuning.document import write_tuning
     from tuning.tune import tune as design
 
     fitted = read_parameters(parameters)
     measured = read_frequencies(frequencies)
     with shown_progress(ERRORS) as progress:
         tuned = design(fitted, measured, progress=progress)
-    write_tuning(out / "tuning.json", tuned)
+    written = write_tuned(out, tuned)
     summary.show_tuning(OUT, tuned)
-    wrote(out / "tuning.json")
-    suggest(
-        f"scdpr simulate --parameters {parameters} --tuning {out / 'tuning.json'} --out DIR"
-    )
+    wrote(*written)
+    suggest(f"scdpr simulate --parameters {parameters} --tuning {written[0]} --out DIR")
     return DONE

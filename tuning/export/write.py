@@ -1,0 +1,37 @@
+"""The folder of a tuning's exports."""
+
+import pathlib
+
+from scdpr_jax.files import write_whole
+from tuning.export import c_header, labview, matlab
+from tuning.export.description import describe
+from tuning.types import Tuning
+
+FORMATS = (
+    (c_header.FILE, c_header.c_header),
+    (labview.CONTROLLER_FILE, labview.controller_table),
+    (labview.SHAPERS_FILE, labview.shapers_table),
+    (matlab.FILE, matlab.matlab_script),
+)
+"""Every exported file and what makes its text."""
+
+
+def write_exports(folder: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, ...]:
+    """Write a tuning in every format, each file whole or not at all.
+
+    Args:
+        folder: Where; made if it is missing, its files of these names replaced.
+        tuning: The tuning.
+
+    Returns:
+        The files.
+
+    Raises:
+        ValueError: If the tuning has no fitted robot, or no shaper.
+    """
+    description = describe(tuning)
+    # Every text is made before the first is written.
+    texts = {folder / name: text(description) for name, text in FORMATS}
+    for path, text in texts.items():
+        write_whole(path, text)
+    return tuple(texts)
