@@ -361,7 +361,7 @@ def _next(estimate: Estimate, frequencies: FrequencyMap | None, tuned: bool) -> 
         name = parameter.name.replace("_", " ")
         if parameter.status in ("weak", "unidentifiable"):
             steps.append(f"Log runs that excite the {name}: it is {parameter.status} so far.")
-        if parameter.status == "at_bound":
+        if parameter.status == "at_bound" and excesses(estimate):
             steps.append(
                 f"Ask whether the {name} is zero indeed, or the model lacks something."
             )

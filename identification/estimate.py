@@ -268,7 +268,7 @@ def _judged(problem: Problem, minimum: Minimum) -> dict[str, object]:
                 unit=known.unit,
                 sigma=sigma,
                 interval95=(low, number + half),
-                status=judge(number, sigma, at_bound=at_bound),
+                status=judge(name, number, sigma, at_bound=at_bound),
                 degrees_of_freedom=freedom,
             )
         )

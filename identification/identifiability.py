@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from identification.comparison import ENCODERS
 from identification.problem import Problem
+from identification.uncertainty import magnitude
 from identification.unknowns import decode
 from scdpr_jax.parameters import quantity
 
@@ -163,24 +164,12 @@ def identifiability(problem: Problem, point: Float[np.ndarray, " n"]) -> Identif
 
 
 def _scales(problem: Problem, point: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-    """What a relative change of 1 is in each unknown: its value, where it isn't a logarithm."""
+    """What a relative change of 1 is in each unknown, where it isn't a logarithm."""
     scale = np.ones(problem.unknowns.size)
     for index, (name, _) in enumerate(problem.unknowns.shared):
         if not quantity(name).positive:
-            scale[index] = abs(decode(name, point[index])) or SCALES.get(name, 1.0)
+            scale[index] = magnitude(name, decode(name, point[index])) or 1.0
     return scale
-
-
-SCALES = {
-    "friction_coefficient": 0.01,
-    "upper_friction_coefficient": 0.01,
-    "drive_friction": 0.05,
-    "drive_friction_difference": 0.05,
-    "loop_stiffness": 100.0,
-    "lower_carriage_damping": 1.0,
-    "upper_carriage_damping": 1.0,
-}
-"""Usual sizes of quantities that may be zero [SI]: what their changes are measured by there."""
 
 
 def _circumstances(problem: Problem) -> np.ndarray:

@@ -170,10 +170,39 @@ def is_untold(name: str, number: float, sigma: float) -> bool:
     return not np.isfinite(sigma) or sigma >= UNTOLD * abs(number) > 0
 
 
-def judge(value: float, sigma: float, *, at_bound: bool) -> str:
+USUAL = {
+    "friction_coefficient": 0.01,
+    "upper_friction_coefficient": 0.01,
+    "drive_friction": 0.05,
+    "drive_friction_difference": 0.05,
+    "loop_stiffness": 100.0,
+    "lower_carriage_damping": 1.0,
+    "upper_carriage_damping": 1.0,
+}
+"""Usual sizes of quantities that may be zero [SI]."""
+
+NEGLIGIBLE = 0.1
+"""Share of its usual size below which a quantity may as well be zero [1]."""
+
+
+def magnitude(name: str, number: float) -> float:
+    """What errors and changes of a quantity are measured by.
+
+    Args:
+        name: Its name.
+        number: Its value [SI].
+
+    Returns:
+        The value's own size, or what is negligible of such a quantity where that is more.
+    """
+    return max(abs(number), NEGLIGIBLE * USUAL.get(name, 0.0))
+
+
+def judge(name: str, value: float, sigma: float, *, at_bound: bool) -> str:
     """What a value and its standard error are worth, in one word.
 
     Args:
+        name: Name of the quantity.
         value: The value.
         sigma: Its standard error, in the same unit.
         at_bound: Whether the fit was stopped by the value's bound.
@@ -183,7 +212,8 @@ def judge(value: float, sigma: float, *, at_bound: bool) -> str:
     """
     if at_bound:
         return "at_bound"
-    relative = sigma / abs(value) if value != 0 else np.inf
+    size = magnitude(name, value)
+    relative = sigma / size if size != 0 else np.inf
     if relative >= UNSEEN:
         return "unidentifiable"
     return "weak" if relative >= WEAK else "identified"

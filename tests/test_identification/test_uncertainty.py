@@ -89,4 +89,10 @@ def test_an_interval_that_says_nothing_of_the_robot_is_not_given(name, number, s
     ],
 )
 def test_a_value_is_judged_by_its_relative_error(sigma, at_bound, status):
-    assert judge(1.0, sigma, at_bound=at_bound) == status
+    assert judge("drive_inertia", 1.0, sigma, at_bound=at_bound) == status
+
+
+def test_what_may_as_well_be_zero_is_judged_by_its_usual_size():
+    # A millionth of what the drives can do, and known to half of that.
+    assert judge("drive_friction", 1e-6, 5e-7, at_bound=False) == "identified"
+    assert judge("drive_friction", 1e-6, 1e-2, at_bound=False) == "unidentifiable"
