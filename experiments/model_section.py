@@ -46,7 +46,7 @@ def model_tables(estimate: Estimate) -> tuple[Table, ...]:
 
 
 def _label(model: Model) -> str:
-    return "the usual four quantities" if not model.added else f"and {model.added[-1]}"
+    return "the usual model" if not model.added else f"and {model.added[-1]}"
 
 
 def verdict_on_models(estimate: Estimate) -> tuple[str, ...]:

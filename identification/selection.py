@@ -35,8 +35,9 @@ def select(
     Forward selection: of the refinements that aren't in yet, the score test's statistic
     $g^T I^{-1} g$ of each tells how far the misfit would fall, with the gradient $g$ and the
     information $I$ that the present fit leaves open for its quantities. The most promising
-    is added and fitted. Of the models on that way the one is chosen that predicts the
-    held-out runs best, or, without any, that has the least of Schwarz's criterion.
+    is added and fitted; one that this sends back to its bounds is taken out. Of the models
+    on that way the one is chosen that predicts the held-out runs best, or, without any, that
+    has the least of Schwarz's criterion.
 
     Reference: C. R. Rao, "Large sample tests of statistical hypotheses concerning several
     parameters", Math. Proc. Camb. Phil. Soc. 44, 1948, doi:10.1017/S0305004100023987.
@@ -73,7 +74,13 @@ def select(
             _picked(whole, problem, point), iterations=ITERATIONS, decrement=0.1
         )
         point = _embedding(whole, problem) @ minimum.point
-        fits.append(_Fit(tuple(added), problem, minimum, point))
+        if len(kept := _needed(problem, minimum, added)) < len(added):
+            added, problem = kept, _opened(whole, kept)
+            minimum = problem.minimise(
+                _picked(whole, problem, point), iterations=2, decrement=1.0
+            )
+        if not fits or tuple(added) != fits[-1].added:
+            fits.append(_Fit(tuple(added), problem, minimum, point))
         promised = _promises(whole, problem, point, left)
         if not promised or max(promised) <= 0:
             break
@@ -108,6 +115,15 @@ def _opened(whole: Problem, added: Sequence[Refinement]) -> Problem:
     free = (*DEFAULT_FREE, *(name for one in added for name in one.free))
     unknowns = layout(whole.runs, whole.unknowns.free, opened=free)
     return dataclasses.replace(whole, unknowns=unknowns)
+
+
+def _needed(
+    problem: Problem, minimum: Minimum, added: Sequence[Refinement]
+) -> list[Refinement]:
+    """Those of the added refinements that later ones haven't sent back to their bounds."""
+    moves = free_unknowns(minimum.normal, minimum.point, problem.unknowns.lower())
+    names = {name for k, (name, _) in enumerate(problem.unknowns.shared) if moves[k]}
+    return [one for one in added if names.intersection(one.free)]
 
 
 def _embedding(whole: Problem, part: Problem) -> Float[np.ndarray, "whole part"]:

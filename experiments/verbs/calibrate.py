@@ -5,7 +5,7 @@ import pathlib
 from experiments.cli import DONE
 from experiments.places import require_outside
 from experiments.runtime import set_up, shown_progress, stage
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, plan_call, suggest, wrote
 
 
 def calibrate(
@@ -54,5 +54,9 @@ def calibrate(
     for note in calibration.notes:
         OUT.print(f"note: {note}")
     wrote(*written)
-    suggest(f"open {written[0]}", f"scdpr simulate --parameters {written[1]} --out DIR")
+    suggest(
+        f"open {written[0]}",
+        f"scdpr simulate --parameters {written[1]} --out DIR",
+        plan_call(written[3]),
+    )
     return DONE

@@ -35,3 +35,15 @@ def suggest(*calls: str) -> None:
     """
     for call in calls:
         OUT.print(f"next: {call}", markup=False)
+
+
+def plan_call(tuning: pathlib.Path) -> str:
+    """How to plan a leg with a tuning.
+
+    Args:
+        tuning: Its tuning.json.
+
+    Returns:
+        The call.
+    """
+    return f'scdpr plan {tuning} --from "0.3 m, 0.55 m" --to "1.9 m, 0.55 m" --out plan.csv'

@@ -4,7 +4,7 @@ import pathlib
 
 from experiments.cli import DONE
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, plan_call, suggest, wrote
 
 
 def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path) -> int:
@@ -30,5 +30,8 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
     written = write_tuned(out, tuned)
     summary.show_tuning(OUT, tuned)
     wrote(*written)
-    suggest(f"scdpr simulate --parameters {parameters} --tuning {written[0]} --out DIR")
+    suggest(
+        f"scdpr simulate --parameters {parameters} --tuning {written[0]} --out DIR",
+        plan_call(written[0]),
+    )
     return DONE
