@@ -45,6 +45,7 @@ COORDINATES: dict[str, Coordinate] = {c.name: c for c in (*CAMERA, *ENCODERS)}
 """Every measured quantity by its name."""
 
 _GREEK = {
+    r"\Delta": "Δ",
     r"\mu": "μ",
     r"\tau": "τ",
     r"\alpha": "α",

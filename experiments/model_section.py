@@ -96,13 +96,18 @@ def moved_table(found: Identifiability) -> Table:
     for run, groups in zip(found.runs, found.moved, strict=True):
         for sensor, moved in zip(SENSORS, groups, strict=True):
             if moved.any():
-                rows.append((run, sensor, *(plain(float(number), 2) for number in moved)))
+                rows.append((run, sensor, *map(_standard_deviations, moved.tolist())))
     return Table(
         "What 1 % of each quantity moves, in standard deviations of the noise, all samples "
         "of a run together",
         header,
         tuple(rows),
     )
+
+
+def _standard_deviations(moved: float) -> str:
+    """What is below a hundredth of the noise can't be seen, however far below."""
+    return "< 0.01" if 0 < moved < 0.01 else plain(moved, 2)
 
 
 def told_combinations(found: Identifiability) -> tuple[str, ...]:
