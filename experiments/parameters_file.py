@@ -7,11 +7,14 @@ import pathlib
 from collections.abc import Sequence
 from typing import Any, Literal
 
+import numpy as np
 import pydantic
+from jaxtyping import Float
 
 from identification.axis_law import AxisLaws
 from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
+from identification.influence import Influence
 from identification.profile import Profile
 from identification.unknowns import PER_SETTING
 from identification.validation import validate
@@ -119,9 +122,32 @@ def write_parameters(
             "measurements": fit.measurements,
             "starts": list(fit.starts),
             "minima": [valley._asdict() for valley in fit.valleys],
+            "influence": _influence(estimate.influence),
         },
     }
     write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def _influence(found: Influence) -> dict[str, Any]:
+    """What leaving out each run does, and the bootstrap over runs."""
+
+    def rows(table: Float[np.ndarray, "runs quantities"]) -> list[list[float | None]]:
+        return [[_finite(float(number)) for number in row] for row in table]
+
+    return {
+        "quantities": [{"name": name, "setting": setting} for name, setting in found.names],
+        "runs": list(found.runs),
+        "refitted": found.refitted,
+        "value_without_run": rows(found.without),
+        "moved_standard_errors": rows(found.moved),
+        "moved_by_noise_standard_errors": rows(found.by_noise),
+        "bootstrap": {
+            "interval95": [own and list(own) for own in found.interval95],
+            "runs_that_tell": found.telling.tolist(),
+            "resamples": found.resamples,
+            "seed": found.seed,
+        },
+    }
 
 
 def write_axis_parameters(
