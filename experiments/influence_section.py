@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from jaxtyping import Bool
 
 from experiments.number_text import plain, rounded
 from experiments.tuning_section import Table
@@ -13,6 +14,9 @@ from identification.uncertainty import ParameterEstimate
 
 DISSENTS = 3.0
 """Times what noise makes of it from which a run's influence is called more than noise [1]."""
+
+WIDER = 1.5
+"""Times the reported interval's width from which the bootstrap's is called wider [1]."""
 
 
 def influence_tables(estimate: Estimate) -> tuple[Table, ...]:
@@ -47,6 +51,7 @@ def influence_sentences(estimate: Estimate) -> tuple[str, ...]:
         *_alone(found),
         _strongest(found),
         *(() if noise or found.refitted else (FIRST_ORDER,)),
+        *_wider(found, estimated(estimate)),
         *_too_few(found),
     )
 
@@ -60,16 +65,22 @@ FIRST_ORDER = (
 
 def _left_out(found: Influence) -> Table:
     how = "a fit without it" if found.refitted else "one Gauss–Newton step"
+    measured = _measured(found)
     rows = tuple(
-        (run, *(_cell(*pair) for pair in zip(moved, noise, strict=True)))
+        (run, *(_cell(*pair) for pair in zip(moved[measured], noise[measured], strict=True)))
         for run, moved, noise in zip(found.runs, found.moved, found.by_noise, strict=True)
     )
     return Table(
         f"Each run left out, by {how}: by how many of its standard errors each quantity moves "
         "(and by how many noise alone would)",
-        ("without", *map(_shown, found.names)),
+        ("without", *(_shown(found.names[k]) for k in np.flatnonzero(measured))),
         rows,
     )
+
+
+def _measured(found: Influence) -> Bool[np.ndarray, " quantities"]:
+    """Which quantities have a standard error to measure a move by."""
+    return ~np.all(np.isnan(found.moved), axis=0)
 
 
 def _cell(moved: float, noise: float) -> str:
@@ -132,11 +143,29 @@ def _strongest(found: Influence) -> str:
     return f"No run moves a quantity by more than noise explains. The most: {told}."
 
 
+def _wider(found: Influence, parameters: tuple[ParameterEstimate, ...]) -> tuple[str, ...]:
+    """Where the runs scatter by more than the reported intervals say."""
+    told = []
+    for p, own in zip(parameters, found.interval95, strict=True):
+        reported = p.interval95[1] - p.interval95[0]
+        if own is not None and own[1] - own[0] > WIDER * reported:
+            times = plain((own[1] - own[0]) / reported, 2)
+            told.append(f"{_shown((p.name, p.setting))} {times} times")
+    if not told:
+        return ()
+    return (
+        f"Drawn anew the runs scatter by more than the reported intervals say: "
+        f"{', '.join(told)} as wide. Other runs of the same kinds may give values as far apart.",
+    )
+
+
 def _too_few(found: Influence) -> tuple[str, ...]:
     few = [
         _shown(name)
-        for name, own in zip(found.names, found.interval95, strict=True)
-        if own is None
+        for name, own, measured in zip(
+            found.names, found.interval95, _measured(found), strict=True
+        )
+        if own is None and measured
     ]
     if not few:
         return ()

@@ -55,3 +55,20 @@ def test_residuals_beyond_noise_are_said_to_make_the_steps_too_short():
     refitted = dataclasses.replace(made.influence, refitted=True)
     told = influence_sentences(dataclasses.replace(made, influence=refitted))
     assert not any("--leave-out" in one for one in told)
+
+
+def test_runs_that_scatter_more_than_the_intervals_say_so():
+    made = with_influence(enough=True)
+    wide = tuple((p.value - 9 * p.sigma, p.value + 9 * p.sigma) for p in estimated_parameters())
+    found = dataclasses.replace(made.influence, interval95=wide)
+    told = " ".join(influence_sentences(dataclasses.replace(made, influence=found)))
+    assert "friction coefficient 4.5 times" in told
+
+
+def test_a_quantity_without_a_standard_error_has_no_column():
+    made = with_influence()
+    moved = made.influence.moved.copy()
+    moved[:, 1] = np.nan
+    found = dataclasses.replace(made.influence, moved=moved)
+    (table, _) = influence_tables(dataclasses.replace(made, influence=found))
+    assert table.header == ("without", "friction coefficient", "effective pretension 350 N")
