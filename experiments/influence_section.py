@@ -154,8 +154,9 @@ def _wider(found: Influence, parameters: tuple[ParameterEstimate, ...]) -> tuple
     if not told:
         return ()
     return (
-        f"Drawn anew the runs scatter by more than the reported intervals say: "
-        f"{', '.join(told)} as wide. Other runs of the same kinds may give values as far apart.",
+        "Drawn anew the runs scatter by more than the reported intervals say: "
+        f"{', '.join(told)} as wide. Other runs of the same kinds may give values as far "
+        "apart.",
     )
 
 
