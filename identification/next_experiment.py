@@ -186,10 +186,12 @@ def run_information(
     whole = rows.T @ rows
     own = whole[shared:, shared:] + jnp.diag(known)
     taken = whole[:shared, shared:] @ _covariance(own) @ whole[shared:, :shared]
-    active = (jnp.arange(count + 1) <= length)[:, None]
+    active = (jnp.arange(count + 1, dtype=float) <= length)[:, None]
     return Judged(
         rig.earlier + whole[:shared, :shared] - taken,
-        _beyond(rig, jnp.where(active, position, position[:1]), velocity * active),
+        _beyond(
+            rig, jnp.where(active, position, position[:1]), jnp.where(active, velocity, 0.0)
+        ),
     )
 
 
@@ -351,7 +353,10 @@ def _designed(
             )
             tried = _candidate(moved, told.information[lane], criterion, before, designed=True)
             best[lane] = max(best[lane], tried, key=lambda candidate: candidate.gain)
-        change, state = optimiser.update(jnp.where(jnp.isfinite(slope), slope, 0.0), state)
+        slope = jnp.where(jnp.isfinite(slope), slope, 0.0)
+        # optax raises a float to the power of an integer count.
+        with jax.numpy_dtype_promotion("standard"):
+            change, state = optimiser.update(slope, state)
         knots = optax.apply_updates(knots, change)
     return [one for one in best if one.designed]
 
@@ -367,8 +372,8 @@ def _hats(length: int, intervals: int) -> Float[np.ndarray, "intervals knots"]:
 
 def _record(rig: Rig, voltage: Float[Array, "intervals 2"], length: Float[Array, ""]) -> Record:
     count, sensors = voltage.shape[0], rig.sensors
-    number = jnp.arange(count)
-    stamps = (jnp.arange(round(count * STEP * FRAME_RATE)) + 0.5) / FRAME_RATE
+    number = jnp.arange(count, dtype=float)
+    stamps = (jnp.arange(round(count * STEP * FRAME_RATE), dtype=float) + 0.5) / FRAME_RATE
     before = round(REST * FRAME_RATE)
     seen = (stamps > REST) & (stamps < length * STEP)
     noise = jnp.array([sensors.camera_position_sigma] * 5)
@@ -382,11 +387,13 @@ def _record(rig: Rig, voltage: Float[Array, "intervals 2"], length: Float[Array,
             jnp.where(number < length, STEP, 0.0), voltage, jnp.where(knocked, 1.0, 0.0)
         ),
         angle=rows,
-        angle_weight=jnp.where((jnp.arange(count + 1) <= length)[:, None], 1.0, rows),
+        angle_weight=jnp.where(
+            (jnp.arange(count + 1, dtype=float) <= length)[:, None], 1.0, rows
+        ),
         angle_share=rows,
         frame_time=stamps,
         frame=jnp.zeros((stamps.size, 5)),
-        frame_weight=seen[:, None] / noise[None],
+        frame_weight=jnp.where(seen[:, None], 1 / noise[None], 0.0),
         known=jnp.zeros(4),
         known_weight=known,
     )
