@@ -2,7 +2,9 @@ import dataclasses
 
 import numpy as np
 from report_samples import estimate, estimated_parameters, influence
+from rich.console import Console
 
+from experiments.console_text import rich_table
 from experiments.influence_section import influence_sentences, influence_tables
 
 
@@ -72,3 +74,10 @@ def test_a_quantity_without_a_standard_error_has_no_column():
     found = dataclasses.replace(made.influence, moved=moved)
     (table, _) = influence_tables(dataclasses.replace(made, influence=found))
     assert table.header == ("without", "friction coefficient", "effective pretension 350 N")
+
+
+def test_a_narrow_terminal_folds_the_table_and_cuts_nothing():
+    console = Console(width=40, record=True)
+    (table, _) = influence_tables(with_influence())
+    console.print(rich_table(table))
+    assert "…" not in console.export_text()
