@@ -175,5 +175,5 @@ def test_of_many_runs_the_held_out_and_the_worst_are_drawn():
 
 def test_a_report_says_which_run_moves_which_quantity(full):
     assert "Which run moves which quantity" in words(full)
-    assert cells(full, "+0.50 (1.0)")[1] == "+0.50 (1.0)"
+    assert "+0.50 (1.0)" in words(full)
     assert "Too few runs for a bootstrap" in words(full)
