@@ -26,7 +26,8 @@ def rich_table(plain_table: PlainTable) -> Table:
         header_style="bold",
     )
     for index, name in enumerate(plain_table.header):
-        table.add_column(Text(name), justify="right" if index else "left")
+        # A word that is too long for its column goes on below: nothing is cut.
+        table.add_column(Text(name), justify="right" if index else "left", overflow="fold")
     for row in plain_table.rows:
         table.add_row(*(Text(cell) for cell in row))
     return table

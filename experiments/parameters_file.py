@@ -7,11 +7,14 @@ import pathlib
 from collections.abc import Sequence
 from typing import Any, Literal
 
+import numpy as np
 import pydantic
+from jaxtyping import Float
 
 from identification.axis_law import AxisLaws
 from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
+from identification.influence import Influence
 from identification.profile import Profile
 from identification.unknowns import PER_SETTING
 from identification.validation import validate
@@ -119,9 +122,32 @@ def write_parameters(
             "measurements": fit.measurements,
             "starts": list(fit.starts),
             "minima": [valley._asdict() for valley in fit.valleys],
+            "influence": _influence(estimate.influence),
         },
     }
     write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def _influence(found: Influence) -> dict[str, Any]:
+    """What leaving out each run does, and the bootstrap over runs."""
+
+    def rows(table: Float[np.ndarray, "runs quantities"]) -> list[list[float | None]]:
+        return [[_finite(float(number)) for number in row] for row in table]
+
+    return {
+        "quantities": [{"name": name, "setting": setting} for name, setting in found.names],
+        "runs": list(found.runs),
+        "refitted": found.refitted,
+        "value_without_run": rows(found.without),
+        "moved_standard_errors": rows(found.moved),
+        "moved_by_noise_standard_errors": rows(found.by_noise),
+        "bootstrap": {
+            "interval95": [own and list(own) for own in found.interval95],
+            "runs_that_tell": found.telling.tolist(),
+            "resamples": found.resamples,
+            "seed": found.seed,
+        },
+    }
 
 
 def write_axis_parameters(
@@ -183,7 +209,23 @@ class _Parameter(pydantic.BaseModel):
     setting: str | None
     value: pydantic.FiniteFloat
     unit: str
+    sigma: pydantic.FiniteFloat | None = None
     status: Literal["identified", "weak", "unidentifiable", "at_bound", "fixed"]
+
+
+class _Correlation(pydantic.BaseModel):
+    """Correlation of what was estimated, in the order of the table."""
+
+    matrix: list[list[pydantic.FiniteFloat]]
+
+
+class _Residual(pydantic.BaseModel):
+    """What a fit leaves of a channel."""
+
+    channel: str
+    rms: pydantic.FiniteFloat
+    noise_sigma: pydantic.FiniteFloat
+    is_noise: bool
 
 
 class FittedRobot(pydantic.BaseModel):
@@ -191,6 +233,8 @@ class FittedRobot(pydantic.BaseModel):
 
     format: Literal[1]
     parameters: list[_Parameter]
+    correlation: _Correlation | None = None
+    residuals: list[_Residual] = []
 
     @property
     def robot(self) -> Robot:

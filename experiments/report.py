@@ -23,6 +23,7 @@ from experiments.figures.residuals import residuals
 from experiments.figures.ring_down import decay_of, ring_down_figure
 from experiments.figures.robot_view import robot_view, shown_instants
 from experiments.figures.run_comparison import run_comparison
+from experiments.influence_section import influence_sentences, influence_tables
 from experiments.model_section import model_tables, moved_table, told_combinations
 from experiments.number_text import percent, plain, rounded
 from experiments.page import Picture, Pictures, page, versions
@@ -86,6 +87,8 @@ def write_report(
         model_tables=model_tables(estimate),
         moved=moved_table(estimate.identifiability),
         combinations=told_combinations(estimate.identifiability),
+        influence_words=influence_sentences(estimate),
+        influence_tables=influence_tables(estimate),
         knocks=[] if frequencies is None else _knocks(frequencies),
         map_pictures=(
             []

@@ -8,6 +8,7 @@ from rich.text import Text
 
 from experiments.console_text import print_lines, rich_table
 from experiments.drive_report import axis_rows, axis_sentences, law_sentences
+from experiments.influence_section import influence_sentences, influence_tables
 from experiments.model_section import model_tables, profile_table
 from experiments.number_text import rounded
 from experiments.parameter_table import Row, inside, parameter_row
@@ -79,6 +80,18 @@ def show(
     _print_words(console, said, parameters=len(rows))
     if tuning is not None:
         show_tuning(console, tuning)
+
+
+def show_influence(console: Console, estimate: Estimate) -> None:
+    """Print which run moves which quantity.
+
+    Args:
+        console: Where to print it.
+        estimate: The estimate.
+    """
+    for table in influence_tables(estimate):
+        console.print(rich_table(table))
+    print_lines(console, influence_sentences(estimate))
 
 
 def show_tuning(console: Console, tuning: Tuning) -> None:

@@ -12,6 +12,7 @@ from jaxtyping import Float
 from identification.campaign.types import Campaign
 from identification.comparison import Comparison, compare, compare_motors
 from identification.identifiability import Identifiability, identifiability
+from identification.influence import Influence, influence, run_normal
 from identification.levenberg_marquardt import Minimum, free_unknowns
 from identification.models import Model
 from identification.problem import Problem
@@ -71,6 +72,8 @@ class Estimate:
     """How it came about."""
     identifiability: Identifiability
     """What these logs can tell of what."""
+    influence: Influence
+    """Which run moves which quantity, and the bootstrap over runs."""
     models: tuple[Model, ...] = ()
     """The models that were compared, the usual one first; empty where that is enough."""
     choice: int = 0
@@ -190,8 +193,9 @@ def solve(
         point = problem.minimise(point, iterations=12, decrement=1e-2, held_out=True).point
     progress("standard errors", 1.0)
     costs = tuple(end.normal.cost / problem.measurements() for end in ends)
+    judged = _judged(problem, minimum)
     return Estimate(
-        **_judged(problem, minimum),
+        **judged,
         circumstances=_circumstances(problem, point),
         comparisons=_comparisons(problem, point, campaign),
         fit=Fit(
@@ -203,6 +207,11 @@ def solve(
             measurements=problem.measurements(),
         ),
         identifiability=identifiability(problem, minimum.point),
+        influence=influence(
+            run_normal(problem, minimum.point),
+            [p for p in judged["parameters"] if p.status != "fixed"],
+            held=minimum.point[np.flatnonzero(problem.unknowns.opened)],
+        ),
     )
 
 

@@ -124,21 +124,7 @@ def identifiability(problem: Problem, point: Float[np.ndarray, " n"]) -> Identif
     """
     unknowns = problem.unknowns
     opened = np.flatnonzero(unknowns.opened)
-    rows = [k for k, run in enumerate(problem.cabled) if run not in problem.held_out]
-    parts: list[tuple[int, np.ndarray, np.ndarray]] = []
-    if rows:
-        (sums,) = problem.sums([point], [rows])
-        parts += [
-            (problem.cabled[row], sums.information[k], sums.known[k])
-            for k, row in enumerate(rows)
-        ]
-    if problem.motor_records is not None:
-        sums = problem.motor_sums(point)
-        parts += [
-            (run, sums.information[k], sums.known[k])
-            for k, run in enumerate(problem.motors)
-            if run not in problem.held_out
-        ]
+    parts = [(run, sums.information, sums.known) for run, sums in problem.each(point)]
     size, scale = unknowns.size, _scales(problem, point)
     matrix, moved = np.zeros((size, size)), np.zeros((len(parts), 2, size))
     for k, (run, channels, known) in enumerate(parts):

@@ -207,6 +207,29 @@ class Problem:
         found = motor_sums(self.prior, self.unknowns.free, own, self.motor_records)
         return jax.tree.map(np.asarray, found)
 
+    def each(self, point: Float[np.ndarray, " n"]) -> list[tuple[int, RunSums]]:
+        """What every fitted run adds at a point.
+
+        Args:
+            point: Vector of the fit.
+
+        Returns:
+            Number of the run and its sums, those with the cable on first.
+        """
+        found: list[tuple[int, RunSums]] = []
+        rows = [k for k, run in enumerate(self.cabled) if run not in self.held_out]
+        if rows:
+            (sums,) = self.sums([point], [rows])
+            found += [(self.cabled[row], _row(sums, k)) for k, row in enumerate(rows)]
+        if any(run not in self.held_out for run in self.motors):
+            sums = self.motor_sums(point)
+            found += [
+                (run, _row(sums, k))
+                for k, run in enumerate(self.motors)
+                if run not in self.held_out
+            ]
+        return found
+
     def evaluate(
         self, point: Float[np.ndarray, " n"], *, held_out: bool = False
     ) -> tuple[Normal, Float[np.ndarray, "runs blocks n"]]:
@@ -389,6 +412,10 @@ class Problem:
             For each its free quantities and circumstances.
         """
         return np.stack([point[self.unknowns.of_run(i)] for i in self.cabled])
+
+
+def _row(sums: RunSums, row: int) -> RunSums:
+    return jax.tree.map(lambda leaf: leaf[row], sums)
 
 
 def _over(

@@ -16,6 +16,7 @@ def identify(
     free: tuple[str, ...] = (),
     hold_out: tuple[str, ...] = (),
     profile: bool = False,
+    leave_out: bool = False,
 ) -> int:
     """Estimate the robot's parameters from all runs of a campaign.
 
@@ -29,12 +30,15 @@ def identify(
         hold_out: Runs to predict instead of fitting them.
         profile: Trace the misfit along every quantity, too: whether it is bounded on both
             sides, on one, or on none. Takes as long again.
+        leave_out: Fit anew without each run, too, to see which run moves what; otherwise
+            that is a step of a fit, which is as good where the residuals are noise.
     """
     set_up()
     from experiments import summary
     from experiments.parameters_file import write_parameters
     from identification.campaign import read_campaign
     from identification.estimate import estimate
+    from identification.leave_out import without_each_run
     from identification.profile import profiles
     from identification.selection import select
 
@@ -46,8 +50,11 @@ def identify(
         else:
             found = select(read, hold_out=hold_out, progress=progress)
         traced = profiles(read, found) if profile else ()
+        if leave_out:
+            found = without_each_run(read, found, progress=progress)
     write_parameters(out / "parameters.json", found, traced)
     summary.show(OUT, found, campaign=read, profiles=traced)
+    summary.show_influence(OUT, found)
     wrote(out / "parameters.json")
     suggest(f"scdpr frequencies {campaign} --out {out}")
     return DONE

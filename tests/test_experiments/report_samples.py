@@ -8,6 +8,7 @@ from identification.comparison import Channel, Comparison
 from identification.estimate import Estimate, Fit
 from identification.frequency_map import FrequencyMap
 from identification.identifiability import Combination, Identifiability
+from identification.influence import Influence
 from identification.models import Model
 from identification.residuals import Circumstances
 from identification.starts import Valley
@@ -184,6 +185,29 @@ def identifiability(parameters):
     )
 
 
+def influence(parameters, *, moved=0.5, enough=False):
+    """One of two runs moves the first quantity by so much; noise by a standard error."""
+    count = len(parameters)
+    table = np.zeros((2, count))
+    table[0, 0] = moved
+    values = np.array([p.value for p in parameters])
+    sigma = np.array([p.sigma for p in parameters])
+    return Influence(
+        names=tuple((p.name, p.setting) for p in parameters),
+        runs=("0001-manoeuvre", "0004-motor-step"),
+        without=values + table * sigma,
+        moved=table,
+        by_noise=np.ones((2, count)),
+        telling=np.full(count, 6.0 if enough else 2.0),
+        interval95=tuple(
+            (p.value - 3 * p.sigma, p.value + 3 * p.sigma) if enough else None
+            for p in parameters
+        ),
+        resamples=4000,
+        seed=0,
+    )
+
+
 def compared_models():
     """The usual model and one that knows more, which is the better one."""
     usual = ("friction_coefficient", "effective_pretension")
@@ -224,6 +248,7 @@ def estimate(*, off=0.0, held_out=True, parameters=None, models=()):
             measurements=4321.0,
         ),
         identifiability=identifiability(parameters),
+        influence=influence(parameters),
         models=models,
         choice=max(len(models) - 1, 0),
     )

@@ -171,3 +171,9 @@ def test_of_many_runs_the_held_out_and_the_worst_are_drawn():
     assert len(drawn) == RUNS_DRAWN
     assert {held_out.name, bad.name} <= {one.name for one in drawn}
     assert len(left_out) == 7
+
+
+def test_a_report_says_which_run_moves_which_quantity(full):
+    assert "Which run moves which quantity" in words(full)
+    assert "+0.50 (1.0)" in words(full)
+    assert "Too few runs for a bootstrap" in words(full)
