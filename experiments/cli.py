@@ -8,7 +8,6 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("check", "the log doctor: every fault with file, row, cause and remedy"),
     ("identify", "the robot's parameters with their uncertainty: parameters.json"),
     ("identify-drive", "one motor-driven axis: inertia, friction, offset from a log"),
-    ("design", "which experiment next: the run that sharpens a parameter most per second"),
     ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
     ("tune", "gains and input shapers from parameters and frequencies: tuning.json, export/"),
     ("shape", "the input shaper for a measured spectrum: shaper.json"),

@@ -209,23 +209,7 @@ class _Parameter(pydantic.BaseModel):
     setting: str | None
     value: pydantic.FiniteFloat
     unit: str
-    sigma: pydantic.FiniteFloat | None = None
     status: Literal["identified", "weak", "unidentifiable", "at_bound", "fixed"]
-
-
-class _Correlation(pydantic.BaseModel):
-    """Correlation of what was estimated, in the order of the table."""
-
-    matrix: list[list[pydantic.FiniteFloat]]
-
-
-class _Residual(pydantic.BaseModel):
-    """What a fit leaves of a channel."""
-
-    channel: str
-    rms: pydantic.FiniteFloat
-    noise_sigma: pydantic.FiniteFloat
-    is_noise: bool
 
 
 class FittedRobot(pydantic.BaseModel):
@@ -233,8 +217,6 @@ class FittedRobot(pydantic.BaseModel):
 
     format: Literal[1]
     parameters: list[_Parameter]
-    correlation: _Correlation | None = None
-    residuals: list[_Residual] = []
 
     @property
     def robot(self) -> Robot:
