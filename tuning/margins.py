@@ -68,7 +68,7 @@ def continuous_margins(plant: MotorPlant, controller: PD) -> Margins:
     Returns:
         The margins, differentiable in the plant and the controller.
     """
-    scale = _crossover_scale(plant, controller)
+    scale = crossover_scale(plant, controller)
     exponents = jnp.linspace(-_DECADES, _DECADES, _POINTS, dtype=scale.dtype)
     response = Response(continuous_loop, plant, controller)
     return _margins(response, scale * 10**exponents, at_nyquist=False)
@@ -95,13 +95,13 @@ def sampled_margins(plant: MotorPlant, controller: PD, *, delay: int = 1) -> Mar
         )
     # A rate that is fitted or optimised moves the Nyquist frequency with it.
     nyquist = jnp.pi / controller.period
-    lowest = 10**-_DECADES * jnp.minimum(_crossover_scale(plant, controller), nyquist)
+    lowest = 10**-_DECADES * jnp.minimum(crossover_scale(plant, controller), nyquist)
     share = jnp.linspace(0.0, 1.0, _POINTS, dtype=lowest.dtype)
     response = Response(functools.partial(sampled_loop, delay=delay), plant, controller)
     return _margins(response, lowest * (nyquist / lowest) ** share, at_nyquist=True)
 
 
-def _crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
+def crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
     r"""Gain crossover of the continuous loop without a filter, to place the grid.
 
     $\omega^4 + (p^2 - g^2 K_d^2) \omega^2 - g^2 K_p^2 = 0$ has one positive root.
@@ -121,7 +121,7 @@ def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: b
     gain_crossover, phase_margin = _gain_crossover(response, grid, values)
     phase_crossover, gain_margin = _phase_crossover(response, grid, values)
     if at_nyquist:
-        phase_crossover, gain_margin = _with_nyquist(
+        phase_crossover, gain_margin = with_nyquist(
             response, nyquist, phase_crossover, gain_margin
         )
     return Margins(
@@ -130,15 +130,15 @@ def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: b
         delay_margin=phase_margin / gain_crossover,
         phase_crossover=phase_crossover,
         gain_margin=gain_margin,
-        peak_sensitivity=_peak_sensitivity(response, grid, values),
+        peak_sensitivity=peak_sensitivity(response, grid, values),
     )
 
 
-def _log_gain(response: Response, angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
+def log_gain(response: Response, angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
     return jnp.log(jnp.abs(response(angular_frequency)))
 
 
-def _phase_over_half_turn(
+def phase_over_half_turn(
     response: Response, angular_frequency: Float[Array, ""]
 ) -> Float[Array, ""]:
     return jnp.angle(-response(angular_frequency))
@@ -155,13 +155,13 @@ def _gain_crossover(
     crosses = log_gain[:-1] * log_gain[1:] <= 0
     angles = jnp.unwrap(jnp.angle(-values))[:-1]
     index = jnp.argmin(jnp.where(crosses, jnp.abs(angles), jnp.inf))
-    root = _root(_log_gain, response, grid[index], grid[index + 1])
-    margin = _phase_over_half_turn(response, root)
+    crossover = root(log_gain, response, grid[index], grid[index + 1])
+    margin = phase_over_half_turn(response, crossover)
     # More than a turn of lag must not come back as a positive margin.
     turns = jax.lax.stop_gradient(jnp.round((angles[index] - margin) / (2 * jnp.pi)))
     found = crosses[index]
     return (
-        jnp.where(found, root, jnp.nan),
+        jnp.where(found, crossover, jnp.nan),
         jnp.where(found, margin + 2 * jnp.pi * turns, jnp.nan),
     )
 
@@ -173,13 +173,13 @@ def _phase_crossover(
     crosses = (jnp.imag(values[:-1]) * jnp.imag(values[1:]) < 0) & negative
     distance = jnp.abs(jnp.log(jnp.abs(values[:-1])))
     index = jnp.argmin(jnp.where(crosses, distance, jnp.inf))
-    root = _root(_phase_over_half_turn, response, grid[index], grid[index + 1])
-    margin = jnp.exp(-_log_gain(response, root))
+    crossover = root(phase_over_half_turn, response, grid[index], grid[index + 1])
+    margin = jnp.exp(-log_gain(response, crossover))
     found = crosses[index]
-    return jnp.where(found, root, jnp.nan), jnp.where(found, margin, jnp.inf)
+    return jnp.where(found, crossover, jnp.nan), jnp.where(found, margin, jnp.inf)
 
 
-def _with_nyquist(
+def with_nyquist(
     response: Response,
     nyquist: Float[Array, ""],
     phase_crossover: Float[Array, ""],
@@ -192,7 +192,7 @@ def _with_nyquist(
     return jnp.where(nearer, nyquist, phase_crossover), jnp.where(nearer, margin, gain_margin)
 
 
-def _peak_sensitivity(
+def peak_sensitivity(
     response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
 ) -> Float[Array, ""]:
     nearest = jnp.argmin(jnp.abs(1 + values))
@@ -202,7 +202,7 @@ def _peak_sensitivity(
     return 1 / _distance(response, _minimum(_distance, response, low, high))
 
 
-def _root(
+def root(
     measure: Measure, response: Response, low: Float[Array, ""], high: Float[Array, ""]
 ) -> Float[Array, ""]:
     """Where a measure of the response vanishes, with the implicit function's derivative."""
