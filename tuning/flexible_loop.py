@@ -6,7 +6,8 @@ $[x_e, \delta_e, q_3, q_4]$; where they turn oppositely they lift the end-effect
 no stiffness. Each is a loop of one command $V$ and one angle $\alpha$ [rad].
 """
 
-import dataclasses
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -16,59 +17,80 @@ from jaxtyping import Array, Complex, Float
 from scdpr_jax.controller import PD, PDState
 from scdpr_jax.fields import real, si
 from scdpr_jax.linear import linearise
-from scdpr_jax.modes import Condition, Lower, Upper, natural_frequencies
+from scdpr_jax.modes import CONDITIONS, Lower, natural_frequencies
 from scdpr_jax.parameters import Robot
 from tuning.plant import as_complex, shift_minus_one
 from tuning.responses import pd_gain, sampled_delay, sampled_derivative
 
-_COORDINATES = 5
-"""How many coordinates the robot has."""
-_LOWER, _UPPER, _HEIGHT = 2, 3, 4
-"""Places of $q_3$, $q_4$ and $y_e$ among the coordinates."""
 
 
-@dataclasses.dataclass(frozen=True)
-class JointLoop:
+class Motion(eqx.Module):
+    """What moves in a joint loop: weights of the coordinates, as arrays."""
+
+    moving: Float[Array, "... 5"] = eqx.field(converter=real, metadata=si("1"))
+    """1 for each coordinate that moves, 0 for one that doesn't [1]."""
+    driven: Float[Array, "... 5"] = eqx.field(converter=real, metadata=si("1"))
+    r"""1 for the coordinate $r \alpha$ that the drives move, 0 for the others [1]."""
+    second_drive: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1"))
+    """What the second drive does while the first does 1 [1]."""
+
+
+class JointLoop(NamedTuple):
     """One of the loops that the drives' controllers close."""
 
     name: str
-    """What moves, for a table."""
-    coordinates: tuple[int, ...]
-    """Which of the five coordinates move."""
-    driven: int
-    r"""The coordinate that the drives move, $r \alpha$."""
+    """What moves, for a table and `tuning.json`."""
+    moving: tuple[float, ...]
+    r"""1 for each of $[x_e, \delta_e, q_3, q_4, y_e]$ that moves, else 0."""
+    driven: tuple[float, ...]
+    """1 for the coordinate that the drives move, else 0."""
     second_drive: float
     """What the second drive does while the first does 1 [1]."""
-    upper: Upper | None
-    """What the upper carriage does; None where the loop doesn't know of it."""
 
 
-UPPER_FREE = JointLoop("sideways, upper carriage free", (0, 1, 2, 3), _LOWER, 1.0, Upper.FREE)
+_LOWER, _HEIGHT = (0.0, 0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 1.0)
+
+UPPER_FREE = JointLoop("sideways, upper carriage free", (1.0,) * 4 + (0.0,), _LOWER, 1.0)
 """Both drives alike while the upper carriage slides."""
-UPPER_HELD = JointLoop("sideways, upper carriage held", (0, 1, 2), _LOWER, 1.0, Upper.HELD)
+UPPER_HELD = JointLoop("sideways, upper carriage held", (1.0,) * 3 + (0.0,) * 2, _LOWER, 1.0)
 """Both drives alike while friction holds the upper carriage."""
-LIFTING = JointLoop("lifting", (_HEIGHT,), _HEIGHT, -1.0, None)
+LIFTING = JointLoop("lifting", _HEIGHT, _HEIGHT, -1.0)
 """The drives against each other."""
 
 JOINT_LOOPS = (UPPER_FREE, UPPER_HELD, LIFTING)
 """Every loop of the flexible robot."""
 
 
+def motions(loops: Sequence[JointLoop] = JOINT_LOOPS) -> Motion:
+    """Joint loops as arrays, one a row, to batch over.
+
+    Args:
+        loops: The loops.
+
+    Returns:
+        Their motions.
+    """
+    _, moving, driven, second_drive = zip(*loops, strict=True)
+    return Motion(
+        *(jnp.asarray(rows, dtype=float) for rows in (moving, driven, second_drive))
+    )
+
+
 class FlexiblePlant(eqx.Module):
     r"""Command to angle behind a zero-order hold, $x^+ - x = \Delta x + \Gamma V$."""
 
-    difference: Float[Array, "... n n"] = eqx.field(
+    difference: Float[Array, "... 10 10"] = eqx.field(
         converter=real, metadata=si("SI", r"\Delta")
     )
     r"""$\Delta = e^{A h} - I$ [SI units of the rows over those of the columns]."""
-    input: Float[Array, "... n"] = eqx.field(converter=real, metadata=si("SI", r"\Gamma"))
+    input: Float[Array, "... 10"] = eqx.field(converter=real, metadata=si("SI", r"\Gamma"))
     r"""$\Gamma = \int_0^h e^{A t} b\, \mathrm{d}t$ [SI units of the rows over V]."""
-    output: Float[Array, "... n"] = eqx.field(converter=real, metadata=si("SI", "c"))
+    output: Float[Array, "... 10"] = eqx.field(converter=real, metadata=si("SI", "c"))
     r"""$\alpha = c x$ [rad over SI units of the columns]."""
 
 
 def flexible_plant(
-    robot: Robot, height: Float[Array, ""], loop: JointLoop, *, period: Float[Array, ""]
+    robot: Robot, height: Float[Array, ""], motion: Motion, *, period: Float[Array, ""]
 ) -> FlexiblePlant:
     r"""The plant of a joint loop at an aligned pose, behind a zero-order hold, exactly.
 
@@ -81,29 +103,27 @@ def flexible_plant(
     Args:
         robot: The robot; of its friction laws only the viscous part counts.
         height: Height $y_e$ of the end-effector [m].
-        loop: Which loop.
+        motion: What moves.
         period: Sample period $h$ [s].
 
     Returns:
         The plant.
     """
-    aligned = jnp.zeros(_COORDINATES, height.dtype).at[_HEIGHT].set(height)
-    model = linearise(robot, aligned)
-    moving = jnp.asarray([*loop.coordinates, *(c + _COORDINATES for c in loop.coordinates)])
-    state = model.state_matrix[moving[:, None], moving]
-    volts = model.input_matrix[moving]
-    column = volts[:, :1] + loop.second_drive * volts[:, 1:2]
+    zero = jnp.zeros_like(height)
+    model = linearise(robot, jnp.stack([zero, zero, zero, zero, height]))
+    moving = jnp.tile(motion.moving, 2)
+    state = model.state_matrix * moving[:, None] * moving
+    volts = model.input_matrix[:, 0] + motion.second_drive * model.input_matrix[:, 1]
 
-    count = moving.size
-    above = jnp.concatenate([state, state, column], axis=1)
-    exponential = jax.scipy.linalg.expm(
-        period * jnp.concatenate([above, jnp.zeros((count + 1, 2 * count + 1), state.dtype)])
-    )
-    angle = jnp.zeros(count, state.dtype).at[loop.coordinates.index(loop.driven)]
+    above = jnp.concatenate([state, state, (volts * moving)[:, None]], axis=1)
+    square = jnp.concatenate([above, jnp.zeros((11, 21), state.dtype)])
+    exponential = jax.scipy.linalg.expm(period * square)
+    angle = motion.driven / robot.drive.effective_radius
     return FlexiblePlant(
-        difference=exponential[:count, count : 2 * count],
-        input=exponential[:count, -1],
-        output=angle.set(1 / robot.drive.effective_radius),
+        # What doesn't move is forgotten in a sample: a pole at zero, which counts for nothing.
+        difference=exponential[:10, 10:20] - jnp.diag(1 - moving),
+        input=exponential[:10, 20],
+        output=jnp.concatenate([angle, jnp.zeros_like(angle)]),
     )
 
 
@@ -173,22 +193,18 @@ def closed_loop_matrix(
     return jax.jacfwd(advance)(jnp.zeros(count + delay + 2, plant.input.dtype))
 
 
-def resonances(robot: Robot, height: Float[Array, ""], loop: JointLoop) -> Float[Array, " k"]:
-    """Where the loop's gain has its peaks and its dips, without damping.
+def resonances(robot: Robot, height: Float[Array, ""]) -> Float[Array, " modes"]:
+    """Where the loops' gain may have a peak or a dip, without damping.
 
-    Peaks are the modes with the drives at rest electrically, dips those with the lower
-    carriage held.
+    Peaks are the modes with the drives free to turn, dips those with the lower carriage held.
 
     Args:
         robot: The robot.
         height: Height of the end-effector [m].
-        loop: Which loop.
 
     Returns:
-        Angular frequencies [rad/s], none for a loop without vibration.
+        Angular frequencies of all conditions of the carriages [rad/s].
     """
-    if loop.upper is None:
-        return jnp.zeros(0, height.dtype)
-    conditions = (Condition(lower, loop.upper) for lower in (Lower.DRIVEN, Lower.HELD))
+    conditions = [condition for condition in CONDITIONS if condition.lower is not Lower.FREE]
     found = [natural_frequencies(robot, height, condition) for condition in conditions]
     return 2 * jnp.pi * jnp.concatenate(found)

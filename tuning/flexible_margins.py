@@ -4,33 +4,29 @@ The horizontal position doesn't matter, so that the workspace is heights by pret
 """
 
 import functools
-from typing import NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Complex, Float
+from jaxtyping import Array, Bool, Complex, Float, Int
 
 from scdpr_jax.controller import PD
 from scdpr_jax.drive import drive_gain, drive_pole
 from scdpr_jax.fields import si
 from scdpr_jax.parameters import Robot
 from tuning.flexible_loop import (
-    FlexiblePlant,
-    JointLoop,
+    Motion,
     closed_loop_matrix,
     flexible_loop,
     flexible_plant,
+    motions,
     resonances,
 )
 from tuning.margins import (
     Margins,
-    Measure,
     Response,
     crossover_scale,
-    log_gain,
     peak_sensitivity,
-    phase_over_half_turn,
     root,
     with_nyquist,
 )
@@ -40,7 +36,7 @@ _EVEN_POINTS = 256
 """Grid points that lie evenly over the logarithm of the frequency."""
 _DECADES = 3.0
 """Decades scanned below the bare drive's crossover."""
-_NEAR = 10.0 ** -jnp.arange(0.5, 6.6, 0.5)
+_NEAR = tuple(10 ** -(power / 2) for power in range(1, 14))
 """Relative distances of grid points from a resonance: damping ratios down to 1e-6 show."""
 
 
@@ -56,11 +52,11 @@ class FlexibleMargins(eqx.Module):
 
 
 def flexible_margins(
-    robot: Robot, height: Float[Array, ""], controller: PD, *, loop: JointLoop, delay: int = 1
+    robot: Robot, height: Float[Array, ""], controller: PD, *, motion: Motion, delay: int = 1
 ) -> FlexibleMargins:
     r"""Margins of a joint loop at an aligned pose: hold, PD and computing time as they run.
 
-    Whether the loop is stable is decided by the poles of its closed form in $z$. The
+    Poles of the closed loop decide whether it is stable. The
     frequencies are searched between the grid's points, which crowd around every resonance of
     the plant and every pole of the closed loop.
 
@@ -68,7 +64,7 @@ def flexible_margins(
         robot: The robot; of its friction laws only the viscous part counts.
         height: Height $y_e$ of the end-effector [m].
         controller: The controller of both drives.
-        loop: Which loop.
+        motion: What moves.
         delay: Samples from a measurement to its command.
 
     Returns:
@@ -82,11 +78,11 @@ def flexible_margins(
             f"`delay` must not be negative [samples], got {delay}: a command that is out "
             "before the next sample has 0, one that waits for it has 1."
         )
-    plant = flexible_plant(robot, height, loop, period=controller.period)
+    plant = flexible_plant(robot, height, motion, period=controller.period)
     poles = jnp.linalg.eigvals(closed_loop_matrix(plant, controller, delay=delay))
     radius = jnp.max(jnp.abs(poles))
     special = jnp.concatenate(
-        [resonances(robot, height, loop), jnp.abs(jnp.angle(poles)) / controller.period]
+        [resonances(robot, height), jnp.abs(jnp.angle(poles)) / controller.period]
     )
     response = Response(functools.partial(flexible_loop, delay=delay), plant, controller)
     grid = _grid(robot, controller, special)
@@ -99,32 +95,28 @@ def flexible_margins(
     )
 
 
-@functools.partial(jax.jit, static_argnames=("loop", "delay"))
+@functools.partial(jax.jit, static_argnames="delay")
 def margins_over_workspace(
-    robots: Robot,
-    heights: Float[Array, " heights"],
-    controller: PD,
-    *,
-    loop: JointLoop,
-    delay: int = 1,
+    robots: Robot, heights: Float[Array, " heights"], controller: PD, *, delay: int = 1
 ) -> FlexibleMargins:
-    """Margins of a joint loop at every height of every robot.
+    """Margins of every joint loop at every height of every robot.
 
     Args:
         robots: Robots, stacked leaf by leaf, such as one for each pretension.
         heights: Heights of the end-effector [m].
         controller: The controller of both drives.
-        loop: Which loop.
         delay: Samples from a measurement to its command.
 
     Returns:
-        Margins with a row for each robot and a column for each height.
+        Margins by loop (those of `JOINT_LOOPS`), robot and height.
     """
 
-    def at(robot: Robot, height: Float[Array, ""]) -> FlexibleMargins:
-        return flexible_margins(robot, height, controller, loop=loop, delay=delay)
+    def at(motion: Motion, robot: Robot, height: Float[Array, ""]) -> FlexibleMargins:
+        return flexible_margins(robot, height, controller, motion=motion, delay=delay)
 
-    return jax.vmap(jax.vmap(at, in_axes=(None, 0)), in_axes=(0, None))(robots, heights)
+    over_heights = jax.vmap(at, in_axes=(None, None, 0))
+    over_robots = jax.vmap(over_heights, in_axes=(None, 0, None))
+    return jax.vmap(over_robots, in_axes=(0, None, None))(motions(), robots, heights)
 
 
 def _grid(
@@ -135,72 +127,73 @@ def _grid(
     lowest = 10**-_DECADES * jnp.minimum(crossover_scale(drive, controller), nyquist)
     share = jnp.linspace(0.0, 1.0, _EVEN_POINTS, dtype=lowest.dtype)
     even = lowest * (nyquist / lowest) ** share
-    near = _NEAR.astype(special.dtype)
+    near = jnp.asarray(_NEAR, special.dtype)
     around = special[:, None] * jnp.concatenate([1 / (1 + near), 1 + near])
     return jnp.sort(jnp.concatenate([even, jnp.clip(around.ravel(), lowest, nyquist)]))
 
 
-def _least_margins(
-    response: Response, grid: Float[Array, " points"], *, most: int
-) -> Margins:
+def _least_margins(response: Response, grid: Float[Array, " points"], *, most: int) -> Margins:
     values = jax.vmap(response)(grid)
-    at_gain = _gain_crossovers(response, grid, values, most=most)
-    lags = jax.vmap(functools.partial(phase_over_half_turn, response))(at_gain)
-    narrowest = jnp.argmin(jnp.where(jnp.isnan(at_gain), jnp.inf, jnp.abs(lags)))
-    delays = jnp.mod(lags, 2 * jnp.pi) / at_gain
+    of_gain = jnp.arange(2 * most) < most
+    marks = (_gain_crosses(values), _phase_crosses(values))
+    index, found = map(
+        jnp.concatenate, zip(*(_first(mark, most=most) for mark in marks), strict=True)
+    )
+    at = jax.vmap(functools.partial(_crossing, response))(of_gain, grid[index], grid[index + 1])
+    there = jax.vmap(response)(at)
 
-    at_phase = _phase_crossovers(response, grid, values, most=most)
-    gains = jnp.exp(-jax.vmap(functools.partial(log_gain, response))(at_phase))
-    nearest = jnp.argmin(jnp.where(jnp.isnan(at_phase), jnp.inf, jnp.abs(jnp.log(gains))))
+    lags = jnp.where(found & of_gain, jnp.angle(-there), jnp.nan)
+    narrowest = _least(jnp.abs(lags))
+    gains = jnp.where(found & ~of_gain, 1 / jnp.abs(there), jnp.inf)
+    nearest = _least(jnp.abs(jnp.log(gains)))
     phase_crossover, gain_margin = with_nyquist(
         response,
         grid[-1],
-        at_phase[nearest],
-        jnp.where(jnp.isnan(at_phase[nearest]), jnp.inf, gains[nearest]),
+        jnp.where(jnp.isinf(gains[nearest]), jnp.nan, at[nearest]),
+        gains[nearest],
     )
     return Margins(
-        gain_crossover=at_gain[narrowest],
+        gain_crossover=jnp.where(jnp.isnan(lags[narrowest]), jnp.nan, at[narrowest]),
         phase_margin=jnp.abs(lags[narrowest]),
-        delay_margin=jnp.nanmin(delays),
+        delay_margin=jnp.nanmin(jnp.mod(lags, 2 * jnp.pi) / at),
         phase_crossover=phase_crossover,
         gain_margin=gain_margin,
         peak_sensitivity=peak_sensitivity(response, grid, values),
     )
 
 
-def _gain_crossovers(
-    response: Response,
-    grid: Float[Array, " points"],
-    values: Complex[Array, " points"],
-    *,
-    most: int,
-) -> Float[Array, " most"]:
+def _least(values: Float[Array, " n"]) -> Int[Array, ""]:
+    return jnp.argmin(jnp.where(jnp.isnan(values), jnp.inf, values))
+
+
+def _gain_crosses(values: Complex[Array, " n+1"]) -> Bool[Array, " n"]:
     above = jnp.abs(values) > 1
-    return _roots(log_gain, response, grid, above[:-1] != above[1:], most=most)
+    return above[:-1] != above[1:]
 
 
-def _phase_crossovers(
+def _phase_crosses(values: Complex[Array, " n+1"]) -> Bool[Array, " n"]:
+    negative, above = jnp.real(values) < 0, jnp.imag(values) > 0
+    return (above[:-1] != above[1:]) & negative[:-1] & negative[1:]
+
+
+def _first(
+    marks: Bool[Array, " n"], *, most: int
+) -> tuple[Int[Array, " most"], Bool[Array, " most"]]:
+    """Indices of the first `most` marks, and which of them there are."""
+    (index,) = jnp.nonzero(marks, size=most, fill_value=0)
+    return index, jnp.arange(most) < jnp.sum(marks)
+
+
+def _crossing(
     response: Response,
-    grid: Float[Array, " points"],
-    values: Complex[Array, " points"],
-    *,
-    most: int,
-) -> Float[Array, " most"]:
-    negative = jnp.real(values) < 0
-    above = jnp.imag(values) > 0
-    crosses = (above[:-1] != above[1:]) & negative[:-1] & negative[1:]
-    return _roots(phase_over_half_turn, response, grid, crosses, most=most)
+    of_gain: Bool[Array, ""],
+    low: Float[Array, ""],
+    high: Float[Array, ""],
+) -> Float[Array, ""]:
+    """Where the gain is one or the phase half a turn; one search, so that it compiles once."""
 
+    def measure(response: Response, angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
+        value = response(angular_frequency)
+        return jnp.where(of_gain, jnp.log(jnp.abs(value)), jnp.angle(-value))
 
-def _roots(
-    measure: Measure,
-    response: Response,
-    grid: Float[Array, " points"],
-    crosses: Array,
-    *,
-    most: int,
-) -> Float[Array, " most"]:
-    """Frequencies of the crossings, NaN where there are fewer than `most`."""
-    (index,) = jnp.nonzero(crosses, size=most, fill_value=0)
-    found = jax.vmap(functools.partial(root, measure, response))(grid[index], grid[index + 1])
-    return jnp.where(jnp.arange(most) < jnp.sum(crosses), found, jnp.nan)
+    return root(measure, response, low, high)

@@ -10,6 +10,7 @@ from jaxtyping import Array, Complex, Float
 
 from scdpr_jax.controller import PD
 from scdpr_jax.fields import si
+from tuning.flexible_loop import FlexiblePlant
 from tuning.plant import MotorPlant
 from tuning.responses import continuous_loop, sampled_loop
 
@@ -43,8 +44,8 @@ class Response(eqx.Module):
 
     loop: Callable[..., Complex[Array, ""]] = eqx.field(static=True)
     """From plant, controller and angular frequency to the open loop."""
-    plant: MotorPlant
-    """The drive."""
+    plant: MotorPlant | FlexiblePlant
+    """The drive, or the flexible robot."""
     controller: PD
     """The controller."""
 
@@ -134,11 +135,11 @@ def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: b
     )
 
 
-def log_gain(response: Response, angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
+def _log_gain(response: Response, angular_frequency: Float[Array, ""]) -> Float[Array, ""]:
     return jnp.log(jnp.abs(response(angular_frequency)))
 
 
-def phase_over_half_turn(
+def _phase_over_half_turn(
     response: Response, angular_frequency: Float[Array, ""]
 ) -> Float[Array, ""]:
     return jnp.angle(-response(angular_frequency))
@@ -151,12 +152,12 @@ def _distance(response: Response, angular_frequency: Float[Array, ""]) -> Float[
 def _gain_crossover(
     response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    log_gain = jnp.log(jnp.abs(values))
-    crosses = log_gain[:-1] * log_gain[1:] <= 0
+    _log_gain = jnp.log(jnp.abs(values))
+    crosses = _log_gain[:-1] * _log_gain[1:] <= 0
     angles = jnp.unwrap(jnp.angle(-values))[:-1]
     index = jnp.argmin(jnp.where(crosses, jnp.abs(angles), jnp.inf))
-    crossover = root(log_gain, response, grid[index], grid[index + 1])
-    margin = phase_over_half_turn(response, crossover)
+    crossover = root(_log_gain, response, grid[index], grid[index + 1])
+    margin = _phase_over_half_turn(response, crossover)
     # More than a turn of lag must not come back as a positive margin.
     turns = jax.lax.stop_gradient(jnp.round((angles[index] - margin) / (2 * jnp.pi)))
     found = crosses[index]
@@ -173,8 +174,8 @@ def _phase_crossover(
     crosses = (jnp.imag(values[:-1]) * jnp.imag(values[1:]) < 0) & negative
     distance = jnp.abs(jnp.log(jnp.abs(values[:-1])))
     index = jnp.argmin(jnp.where(crosses, distance, jnp.inf))
-    crossover = root(phase_over_half_turn, response, grid[index], grid[index + 1])
-    margin = jnp.exp(-log_gain(response, crossover))
+    crossover = root(_phase_over_half_turn, response, grid[index], grid[index + 1])
+    margin = jnp.exp(-_log_gain(response, crossover))
     found = crosses[index]
     return jnp.where(found, crossover, jnp.nan), jnp.where(found, margin, jnp.inf)
 
