@@ -23,7 +23,6 @@ from tuning.plant import as_complex, shift_minus_one
 from tuning.responses import pd_gain, sampled_delay, sampled_derivative
 
 
-
 class Motion(eqx.Module):
     """What moves in a joint loop: weights of the coordinates, as arrays."""
 
@@ -71,9 +70,7 @@ def motions(loops: Sequence[JointLoop] = JOINT_LOOPS) -> Motion:
         Their motions.
     """
     _, moving, driven, second_drive = zip(*loops, strict=True)
-    return Motion(
-        *(jnp.asarray(rows, dtype=float) for rows in (moving, driven, second_drive))
-    )
+    return Motion(*(jnp.asarray(rows, dtype=float) for rows in (moving, driven, second_drive)))
 
 
 class FlexiblePlant(eqx.Module):

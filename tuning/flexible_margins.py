@@ -111,17 +111,18 @@ def margins_over_workspace(
         Margins by loop (those of `JOINT_LOOPS`), robot and height.
     """
 
-    def at(motion: Motion, robot: Robot, height: Float[Array, ""]) -> FlexibleMargins:
-        return flexible_margins(robot, height, controller, motion=motion, delay=delay)
+    def of_height(height: Float[Array, ""]) -> FlexibleMargins:
+        def at(motion: Motion, robot: Robot) -> FlexibleMargins:
+            return flexible_margins(robot, height, controller, motion=motion, delay=delay)
 
-    over_heights = jax.vmap(at, in_axes=(None, None, 0))
-    over_robots = jax.vmap(over_heights, in_axes=(None, 0, None))
-    return jax.vmap(over_robots, in_axes=(0, None, None))(motions(), robots, heights)
+        return jax.vmap(jax.vmap(at, in_axes=(None, 0)), in_axes=(0, None))(motions(), robots)
+
+    # Height by height, as all responses at once take gigabytes.
+    found = jax.lax.map(of_height, heights)
+    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, -1), found)
 
 
-def _grid(
-    robot: Robot, controller: PD, special: Float[Array, " k"]
-) -> Float[Array, " points"]:
+def _grid(robot: Robot, controller: PD, special: Float[Array, " k"]) -> Float[Array, " points"]:
     nyquist = jnp.pi / controller.period
     drive = MotorPlant(gain=drive_gain(robot.drive), pole=drive_pole(robot.drive))
     lowest = 10**-_DECADES * jnp.minimum(crossover_scale(drive, controller), nyquist)

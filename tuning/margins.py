@@ -152,8 +152,8 @@ def _distance(response: Response, angular_frequency: Float[Array, ""]) -> Float[
 def _gain_crossover(
     response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    _log_gain = jnp.log(jnp.abs(values))
-    crosses = _log_gain[:-1] * _log_gain[1:] <= 0
+    log_gain = jnp.log(jnp.abs(values))
+    crosses = log_gain[:-1] * log_gain[1:] <= 0
     angles = jnp.unwrap(jnp.angle(-values))[:-1]
     index = jnp.argmin(jnp.where(crosses, jnp.abs(angles), jnp.inf))
     crossover = root(_log_gain, response, grid[index], grid[index + 1])
