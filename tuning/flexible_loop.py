@@ -109,10 +109,11 @@ def flexible_plant(
     zero = jnp.zeros_like(height)
     model = linearise(robot, jnp.stack([zero, zero, zero, zero, height]))
     moving = jnp.tile(motion.moving, 2)
-    state = model.state_matrix * moving[:, None] * moving
-    volts = model.input_matrix[:, 0] + motion.second_drive * model.input_matrix[:, 1]
+    state = model.state_matrix * jnp.outer(moving, moving)
+    first, second = model.input_matrix[:, 0], model.input_matrix[:, 1]
+    volts = moving * (first + motion.second_drive * second)
 
-    above = jnp.concatenate([state, state, (volts * moving)[:, None]], axis=1)
+    above = jnp.concatenate([state, state, volts[:, None]], axis=1)
     square = jnp.concatenate([above, jnp.zeros((11, 21), state.dtype)])
     exponential = jax.scipy.linalg.expm(period * square)
     angle = motion.driven / robot.drive.effective_radius
@@ -131,7 +132,9 @@ def flexible_loop(
     *,
     delay: int = 1,
 ) -> Complex[Array, ""]:
-    r"""The open loop, $z^{-d} R(z)\, c\, ((z - 1) I - \Delta)^{-1} \Gamma$ at $z = e^{j\omega h}$.
+    r"""The open loop of the flexible robot as the controller runs it, $z = e^{j\omega h}$.
+
+    $$ L = z^{-d} R(z)\, c\, ((z - 1) I - \Delta)^{-1} \Gamma $$
 
     Args:
         plant: The plant at the controller's period.

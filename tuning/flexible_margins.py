@@ -129,7 +129,7 @@ def _grid(robot: Robot, controller: PD, special: Float[Array, " k"]) -> Float[Ar
     share = jnp.linspace(0.0, 1.0, _EVEN_POINTS, dtype=lowest.dtype)
     even = lowest * (nyquist / lowest) ** share
     near = jnp.asarray(_NEAR, special.dtype)
-    around = special[:, None] * jnp.concatenate([1 / (1 + near), 1 + near])
+    around = jnp.outer(special, jnp.concatenate([1 / (1 + near), 1 + near]))
     return jnp.sort(jnp.concatenate([even, jnp.clip(around.ravel(), lowest, nyquist)]))
 
 

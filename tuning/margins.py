@@ -186,7 +186,17 @@ def with_nyquist(
     phase_crossover: Float[Array, ""],
     gain_margin: Float[Array, ""],
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """A sampled response is real at the Nyquist frequency: no sign change marks it."""
+    """The gain margin with the Nyquist frequency, where no sign change marks a real response.
+
+    Args:
+        response: The open loop, sampled.
+        nyquist: The Nyquist frequency [rad/s].
+        phase_crossover: Phase crossover with the least gain margin below it [rad/s].
+        gain_margin: That margin [1].
+
+    Returns:
+        Phase crossover [rad/s] and gain margin [1] over all frequencies.
+    """
     value = jnp.real(response(nyquist))
     margin = 1 / jnp.abs(value)
     nearer = (value < 0) & (jnp.abs(jnp.log(margin)) < jnp.abs(jnp.log(gain_margin)))
@@ -196,6 +206,16 @@ def with_nyquist(
 def peak_sensitivity(
     response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
 ) -> Float[Array, ""]:
+    """Largest $1 / |1 + L|$, by golden section around the grid's nearest point to $-1$.
+
+    Args:
+        response: The open loop.
+        grid: Angular frequencies, ascending [rad/s].
+        values: The response there.
+
+    Returns:
+        The peak [1].
+    """
     nearest = jnp.argmin(jnp.abs(1 + values))
     low = grid[jnp.maximum(nearest - 1, 0)]
     high = grid[jnp.minimum(nearest + 1, grid.size - 1)]
@@ -206,7 +226,17 @@ def peak_sensitivity(
 def root(
     measure: Measure, response: Response, low: Float[Array, ""], high: Float[Array, ""]
 ) -> Float[Array, ""]:
-    """Where a measure of the response vanishes, with the implicit function's derivative."""
+    """Where a measure of the response vanishes, with the implicit function's derivative.
+
+    Args:
+        measure: From response and angular frequency to the number.
+        response: The open loop.
+        low: Lower end of a stretch in which the measure changes sign [rad/s].
+        high: Its upper end [rad/s].
+
+    Returns:
+        Angular frequency [rad/s].
+    """
     function = functools.partial(measure, jax.lax.stop_gradient(response))
     sign = jnp.sign(function(low))
 

@@ -111,6 +111,15 @@ def sampled_loop(
 
 
 def pd_gain(controller: PD, derivative: Complex[Array, ""]) -> Complex[Array, ""]:
+    """The controller's response for that of its derivative, $K_p + K_d D$.
+
+    Args:
+        controller: The controller.
+        derivative: Response $D$ of its derivative [1/s].
+
+    Returns:
+        Response [V/rad].
+    """
     proportional_gain, derivative_gain = as_complex(
         controller.proportional_gain, controller.derivative_gain
     )

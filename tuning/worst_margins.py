@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
@@ -28,6 +28,7 @@ _JUDGED = (
 """Measures by their field's name, with where the worst one is."""
 
 
+@runtime_checkable
 class Fitted(Protocol):
     """A robot at a nominal setting of its pretension [N]."""
 

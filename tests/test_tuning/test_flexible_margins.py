@@ -1,0 +1,186 @@
+import control
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.linalg
+
+from scdpr_jax.controller import PD, published_pd
+from scdpr_jax.linear import linearise
+from scdpr_jax.parameters import exact, replace
+from scdpr_jax.prototype import consistent
+from tuning.flexible_loop import (
+    JOINT_LOOPS,
+    LIFTING,
+    UPPER_FREE,
+    UPPER_HELD,
+    closed_loop_matrix,
+    flexible_plant,
+    motions,
+)
+from tuning.margins import sampled_margins
+from tuning.plant import MotorPlant
+from tuning.types import FittedSetting
+from tuning.worst_margins import margin_map, worst_margins
+
+PERIOD = 1e-3
+ROBOT = exact(consistent())
+PAIR = tuple(
+    FittedSetting(nominal, replace(ROBOT, {"effective_pretension": tension}))
+    for nominal, tension in ((200.0, 48.0), (350.0, 85.0))
+)
+STIFF = tuple(
+    FittedSetting(nominal, replace(ROBOT, {"effective_pretension": tension}))
+    for nominal, tension in ((1.0, 1e6), (2.0, 1e8))
+)
+FREE, HELD, LIFT = (JOINT_LOOPS.index(loop) for loop in (UPPER_FREE, UPPER_HELD, LIFTING))
+
+plants = jax.jit(
+    jax.vmap(
+        lambda robot, height, motion: flexible_plant(
+            robot, height, motion, period=jnp.asarray(PERIOD)
+        ),
+        in_axes=(None, None, 0),
+    )
+)
+
+
+@pytest.fixture(scope="module")
+def published():
+    return margin_map(PAIR, published_pd())
+
+
+def state_space(robot, height):
+    """The whole robot in the drives' sum and difference, from its linear model."""
+    model = linearise(robot, jnp.asarray([0.0, 0.0, 0.0, 0.0, height]))
+    both = np.array([[1.0, 1.0], [1.0, -1.0]])
+    radius = float(robot.drive.effective_radius)
+    angles = np.zeros((2, 10))
+    angles[:, [2, 4]] = both / radius
+    # Half the sum of the angles for the mean of the commands, and so with the difference.
+    return (
+        np.asarray(model.state_matrix),
+        np.asarray(model.input_matrix)[:, :2] @ both,
+        both @ angles / 2,
+    )
+
+
+def sampled_system(robot, height, *, delay=1):
+    """python-control's plant in sum and difference behind its own hold, commands late."""
+    a, b, c = state_space(robot, height)
+    count = a.shape[0]
+    block = scipy.linalg.expm(PERIOD * np.block([[a, b], [np.zeros((2, count + 2))]]))
+    plant = control.ss(block[:count, :count], block[:count, count:], c, 0, PERIOD)
+    return plant * control.tf([1], [1, *[0] * delay], PERIOD)
+
+
+def pd_of(controller):
+    gain, slope = float(controller.proportional_gain), float(controller.derivative_gain)
+    return control.tf([gain * PERIOD + slope, -slope], [PERIOD, 0], PERIOD)
+
+
+def spectral_radius(height, loop, *, delay=1, factor=1.0, row=0):
+    plant = jax.tree.map(
+        lambda leaf: leaf[JOINT_LOOPS.index(loop)],
+        plants(PAIR[row].robot, jnp.asarray(height), motions()),
+    )
+    pd = published_pd()
+    scaled = PD(factor * pd.proportional_gain, factor * pd.derivative_gain)
+    matrix = closed_loop_matrix(plant, scaled, delay=delay)
+    return np.max(np.abs(np.linalg.eigvals(np.asarray(matrix))))
+
+
+@pytest.mark.parametrize("height", [0.19, 0.55, 0.92])
+def test_sum_and_difference_of_the_drives_know_nothing_of_each_other(height):
+    omega = np.geomspace(0.1, 3000.0, 60)
+    response = sampled_system(ROBOT, height)(np.exp(1j * PERIOD * omega))
+    own = np.abs(response[[0, 1], [0, 1]])
+    across = np.abs(response[[0, 1], [1, 0]])
+    # Roundings of a solve against a double integrator's lowest frequency.
+    assert np.all(across <= 1e-9 * own)
+
+
+def test_the_horizontal_position_does_not_matter():
+    aside = linearise(ROBOT, jnp.asarray([0.7, 0.0, 0.7, 0.7, 0.4]))
+    middle = linearise(ROBOT, jnp.asarray([0.0, 0.0, 0.0, 0.0, 0.4]))
+    size = np.max(np.abs(middle.state_matrix))
+    assert np.max(np.abs(aside.state_matrix - middle.state_matrix)) <= 1e-12 * size
+
+
+@pytest.mark.parametrize("loop", [UPPER_FREE, LIFTING], ids=["sideways", "lifting"])
+def test_margins_are_those_of_python_control(published, loop):
+    row, column = 1, 7
+    height, place = published.height[column], (JOINT_LOOPS.index(loop), row, column)
+    channel = int(loop is LIFTING)
+    system = sampled_system(PAIR[row].robot, height)[channel, channel]
+    omega = np.unique(np.concatenate([np.geomspace(1.0, 3141.5, 60_001)]))
+    frequencies = system(np.exp(1j * PERIOD * omega)) * pd_of(published_pd())(
+        np.exp(1j * PERIOD * omega)
+    )
+    found = control.stability_margins(control.frd(frequencies, omega), returnall=True)
+    margins = jax.tree.map(lambda leaf: float(leaf[place]), published.found.margins)
+    # Interpolated on steps of 1.3e-4 of the frequency.
+    assert abs(np.degrees(margins.phase_margin) - np.min(np.abs(found[1]))) <= 0.02
+    assert abs(margins.gain_margin / np.min(found[0][found[0] > 1]) - 1) <= 1e-3
+    assert abs(margins.peak_sensitivity * np.min(np.abs(1 + frequencies)) - 1) <= 1e-4
+
+
+def test_a_loop_of_stiff_cables_is_that_of_a_rigid_robot():
+    found = margin_map(STIFF, published_pd())
+    drive, radius = ROBOT.drive, ROBOT.drive.effective_radius
+    carried = ROBOT.end_effector.mass + ROBOT.lower_carriage.mass + ROBOT.upper_carriage.mass
+    inertia = drive.inertia + carried * radius**2 / 2
+    viscous = ROBOT.lower_carriage.friction.viscous + ROBOT.upper_carriage.friction.viscous
+    rigid = MotorPlant(
+        gain=drive.torque_per_volt / inertia,
+        pole=(drive.damping + viscous * radius**2 / 2) / inertia,
+    )
+    expected = float(jax.jit(sampled_margins)(rigid, published_pd()).phase_margin)
+    errors = np.abs(np.asarray(found.found.margins.phase_margin)[FREE] - expected)
+    # What the cables give falls with their stiffness.
+    assert np.max(errors[0]) <= 1e-3
+    assert np.max(errors[1]) <= 1e-5
+
+
+def test_lifting_is_the_loop_of_a_drive_that_carries_the_end_effector(published):
+    drive, radius = ROBOT.drive, ROBOT.drive.effective_radius
+    inertia = drive.inertia + ROBOT.end_effector.mass * radius**2 / 2
+    rigid = MotorPlant(gain=drive.torque_per_volt / inertia, pole=drive.damping / inertia)
+    expected = jax.jit(sampled_margins)(rigid, published_pd())
+    got = jax.tree.map(lambda leaf: leaf[LIFT], published.found.margins)
+    for one, other in zip(jax.tree.leaves(got), jax.tree.leaves(expected), strict=True):
+        # The plant's matrix exponential against its closed form.
+        assert np.max(np.abs(np.asarray(one) / float(other) - 1)) <= 1e-6
+
+
+@pytest.mark.parametrize("loop", [UPPER_FREE, UPPER_HELD], ids=["free", "held"])
+@pytest.mark.parametrize("column", [0, 10, 20])
+def test_margins_are_where_the_loop_turns_unstable(published, loop, column):
+    height, place = published.height[column], (JOINT_LOOPS.index(loop), 0, column)
+    gain = float(published.found.margins.gain_margin[place])
+    assert spectral_radius(height, loop, factor=0.999 * gain) < 1
+    assert spectral_radius(height, loop, factor=1.001 * gain) > 1
+    spare = int(float(published.found.margins.delay_margin[place]) / PERIOD)
+    assert spectral_radius(height, loop, delay=1 + spare) < 1
+    assert spectral_radius(height, loop, delay=2 + spare) > 1
+
+
+def test_the_worst_margins_are_named_with_their_pose(published):
+    worst = {one.measure: one for one in worst_margins(published)}
+    phase = np.asarray(published.found.margins.phase_margin)
+    assert worst["phase_margin"].value == phase.min()
+    column = int(np.flatnonzero(published.height == worst["phase_margin"].height)[0])
+    names = [loop.name for loop in JOINT_LOOPS]
+    row = [200.0, 350.0].index(worst["phase_margin"].pretension)
+    assert phase[names.index(worst["phase_margin"].loop), row, column] == phase.min()
+
+
+def test_an_unstable_loop_is_told_instead_of_a_margin():
+    pd = published_pd()
+    # Beyond the sideways loop's gain margin of 36.06, short of lifting's 41.4.
+    found = margin_map(PAIR, PD(36.5 * pd.proportional_gain, 36.5 * pd.derivative_gain))
+    assert np.all(np.isnan(np.asarray(found.found.margins.phase_margin)[FREE]))
+    assert np.all(np.isfinite(np.asarray(found.found.margins.phase_margin)[LIFT]))
+    (worst,) = worst_margins(found)
+    assert worst.measure == "spectral_radius"
+    assert worst.value > 1
