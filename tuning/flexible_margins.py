@@ -167,12 +167,12 @@ def _least(values: Float[Array, " n"]) -> Int[Array, ""]:
     return jnp.argmin(jnp.where(jnp.isnan(values), jnp.inf, values))
 
 
-def _gain_crosses(values: Complex[Array, " n+1"]) -> Bool[Array, " n"]:
+def _gain_crosses(values: Complex[Array, " points"]) -> Bool[Array, " points-1"]:
     above = jnp.abs(values) > 1
     return above[:-1] != above[1:]
 
 
-def _phase_crosses(values: Complex[Array, " n+1"]) -> Bool[Array, " n"]:
+def _phase_crosses(values: Complex[Array, " points"]) -> Bool[Array, " points-1"]:
     negative, above = jnp.real(values) < 0, jnp.imag(values) > 0
     return (above[:-1] != above[1:]) & negative[:-1] & negative[1:]
 

@@ -35,6 +35,7 @@ STIFF = tuple(
 )
 FREE, HELD, LIFT = (JOINT_LOOPS.index(loop) for loop in (UPPER_FREE, UPPER_HELD, LIFTING))
 
+model_at = jax.jit(linearise)
 plants = jax.jit(
     jax.vmap(
         lambda robot, height, motion: flexible_plant(
@@ -52,17 +53,14 @@ def published():
 
 def state_space(robot, height):
     """The whole robot in the drives' sum and difference, from its linear model."""
-    model = linearise(robot, jnp.asarray([0.0, 0.0, 0.0, 0.0, height]))
+    model = model_at(robot, jnp.asarray([0.0, 0.0, 0.0, 0.0, height]))
     both = np.array([[1.0, 1.0], [1.0, -1.0]])
     radius = float(robot.drive.effective_radius)
     angles = np.zeros((2, 10))
     angles[:, [2, 4]] = both / radius
     # Half the sum of the angles for the mean of the commands, and so with the difference.
-    return (
-        np.asarray(model.state_matrix),
-        np.asarray(model.input_matrix)[:, :2] @ both,
-        both @ angles / 2,
-    )
+    volts = np.asarray(model.input_matrix)[:, :2] @ both
+    return np.asarray(model.state_matrix), volts, both @ angles / 2
 
 
 def sampled_system(robot, height, *, delay=1):
@@ -101,8 +99,8 @@ def test_sum_and_difference_of_the_drives_know_nothing_of_each_other(height):
 
 
 def test_the_horizontal_position_does_not_matter():
-    aside = linearise(ROBOT, jnp.asarray([0.7, 0.0, 0.7, 0.7, 0.4]))
-    middle = linearise(ROBOT, jnp.asarray([0.0, 0.0, 0.0, 0.0, 0.4]))
+    aside = model_at(ROBOT, jnp.asarray([0.7, 0.0, 0.7, 0.7, 0.4]))
+    middle = model_at(ROBOT, jnp.asarray([0.0, 0.0, 0.0, 0.0, 0.4]))
     size = np.max(np.abs(middle.state_matrix))
     assert np.max(np.abs(aside.state_matrix - middle.state_matrix)) <= 1e-12 * size
 
