@@ -1,11 +1,12 @@
 """What a report says of gains and shapers, before and after."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from experiments.figures.bode import bode, open_loop
+from experiments.figures.margin_curves import margin_curves
 from experiments.figures.shaper_response import NamedShaper, shaper_response
 from experiments.figures.tracking import tracking
 from experiments.number_text import capitalised, percent, plain, short
@@ -14,6 +15,7 @@ from scdpr_jax.drive import drive_gain, drive_pole
 from scdpr_jax.parameters import Robot
 from tuning.plant import MotorPlant
 from tuning.types import Metrics, RegionalShaper, Tuning
+from tuning.worst_margins import WorstMargin, margin_map
 
 _TOGETHER = 4
 """Shapers in one figure: more lines can't be told apart."""
@@ -82,8 +84,10 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
     sentences = [
         f"PD gains {short(float(controller.proportional_gain), 5)} V/rad and "
         f"{short(float(controller.derivative_gain), 5)} V s/rad, with {margin}° of phase "
-        "margin as sampled.",
+        "margin of a bare drive as sampled.",
     ]
+    if tuning.worst_margins:
+        sentences.append(worst_margins_sentence(tuning.worst_margins))
     for one in tuning.predicted:
         before, after = one.before.residual_vibration, one.after.residual_vibration
         sentences.append(
@@ -99,6 +103,37 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
             "half of a vibration at its frequency: don't count on the shaper alone there."
         )
     return (*sentences, *(capitalised(note) for note in tuning.notes))
+
+
+def worst_margins_sentence(worst: Sequence[WorstMargin]) -> str:
+    """The worst margins of the flexible robot's loops, in one line.
+
+    Args:
+        worst: The worst margins, at least one.
+
+    Returns:
+        The sentence, with where they are.
+    """
+    by_name = {one.measure: one for one in worst}
+    if "spectral_radius" in by_name:
+        least = by_name["spectral_radius"]
+        return (
+            f"With these gains the flexible robot is UNSTABLE {_place(least)}: its closed "
+            f"loop's largest pole has modulus {plain(least.value, 5)}. Lower the gains."
+        )
+    phase, delay, peak = (
+        by_name[name] for name in ("phase_margin", "delay_margin", "peak_sensitivity")
+    )
+    return (
+        "The flexible robot's loops, worst over the workspace: phase margin "
+        f"{plain(float(np.degrees(phase.value)), 3)}° {_place(phase)}; peak sensitivity "
+        f"{plain(peak.value, 3)} {_place(peak)}; delay margin {plain(1e3 * delay.value, 3)} ms "
+        f"{_place(delay)}."
+    )
+
+
+def _place(one: WorstMargin) -> str:
+    return f"({one.loop}, y {1e3 * one.height:.0f} mm, {one.pretension:g} N)"
 
 
 def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
@@ -220,6 +255,15 @@ def _pictures(tuning: Tuning, robot: Robot, picture: Pictures) -> Iterator[Pictu
             "Open loop of a drive as the controller runs it, sampled and one sample late. The "
             "thick bars are the margins; the further from zero, the safer.",
             narrow=True,
+        )
+    if tuning.robots:
+        yield picture(
+            margin_curves(margin_map(tuning.robots, tuning.controller)),
+            "Margins of the flexible robot's loops over the height of the end-effector; the "
+            "horizontal position doesn't matter. Sideways the cables' springs take away from "
+            "the bare drive's phase, while the upper carriage slides (solid) and while "
+            "friction holds it (dashed). Higher phase margins and lower peaks are safer; "
+            "dotted: 30° and 2, short of which a loop rings. A gap is an unstable loop.",
         )
     named = distinct_shapers(tuning)
     for first in range(0, len(named), _TOGETHER):

@@ -18,6 +18,7 @@ from tuning.document import read_tuning as read_tuning
 from tuning.document import write_tuning as write_tuning
 from tuning.export import control_objects as control_objects
 from tuning.export import write_exports as write_exports
+from tuning.flexible_margins import flexible_margins as flexible_margins
 from tuning.loop_shaping import shape_loop as shape_loop
 from tuning.loop_shaping import shape_sampled_loop as shape_sampled_loop
 from tuning.margins import Margins as Margins
@@ -29,3 +30,5 @@ from tuning.spectrum_design import design_for_spectrum as design_for_spectrum
 from tuning.tune import tune as tune
 from tuning.types import RegionalShaper as RegionalShaper
 from tuning.types import Tuning as Tuning
+from tuning.worst_margins import margin_map as margin_map
+from tuning.worst_margins import worst_margins as worst_margins

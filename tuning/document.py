@@ -25,6 +25,7 @@ from tuning.types import (
     ResidualVibration,
     Tuning,
 )
+from tuning.worst_margins import WorstMargin
 
 _Span = tuple[pydantic.FiniteFloat, pydantic.FiniteFloat]
 
@@ -58,7 +59,8 @@ def tuning_document(tuning: Tuning) -> str:
             "margins": {
                 field.name: _finite(float(getattr(tuning.margins, field.name)))
                 for field in dataclasses.fields(Margins)
-            },
+            }
+            | {"flexible": [_worst(one) for one in tuning.worst_margins]},
         },
         "shapers": [_shaper(regional) for regional in tuning.shapers],
         "robots": [_robot(known) for known in tuning.robots],
@@ -108,7 +110,7 @@ def read_tuning(path: pathlib.Path) -> Tuning:
         margins=Margins(
             **{
                 name: jnp.asarray(_unbounded(name) if number is None else number)
-                for name, number in gains.margins.model_dump().items()
+                for name, number in gains.margins.model_dump(exclude={"flexible"}).items()
             }
         ),
         shapers=tuple(shaper.build() for shaper in found.shapers),
@@ -117,6 +119,10 @@ def read_tuning(path: pathlib.Path) -> Tuning:
             for name, pair in found.predicted.items()
         ),
         robots=tuple(known.build() for known in found.robots),
+        worst_margins=tuple(
+            WorstMargin(**{**worst.model_dump(), "value": _told(worst)})
+            for worst in gains.margins.flexible
+        ),
         notes=tuple(found.notes),
     )
 
@@ -153,6 +159,14 @@ def _robot(known: FittedSetting) -> dict[str, Any]:
     }
 
 
+def _worst(one: WorstMargin) -> dict[str, Any]:
+    return dataclasses.asdict(one) | {"value": _finite(one.value)}
+
+
+def _told(worst: "_WorstMargin") -> float:
+    return _unbounded(worst.measure) if worst.value is None else worst.value
+
+
 def _finite(number: float) -> float | None:
     return number if math.isfinite(number) else None
 
@@ -177,6 +191,14 @@ class _Seconds(pydantic.BaseModel):
     unit: Literal["s"]
 
 
+class _WorstMargin(pydantic.BaseModel):
+    measure: str
+    value: float | None
+    loop: str
+    height: pydantic.FiniteFloat
+    pretension: pydantic.FiniteFloat
+
+
 class _Margins(pydantic.BaseModel):
     gain_crossover: float | None
     phase_margin: float | None
@@ -184,6 +206,7 @@ class _Margins(pydantic.BaseModel):
     phase_crossover: float | None
     gain_margin: float | None
     peak_sensitivity: float | None
+    flexible: list[_WorstMargin] = []
 
 
 class _Controller(pydantic.BaseModel):

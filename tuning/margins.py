@@ -10,6 +10,7 @@ from jaxtyping import Array, Complex, Float
 
 from scdpr_jax.controller import PD
 from scdpr_jax.fields import si
+from tuning.flexible_loop import FlexiblePlant
 from tuning.plant import MotorPlant
 from tuning.responses import continuous_loop, sampled_loop
 
@@ -43,8 +44,8 @@ class Response(eqx.Module):
 
     loop: Callable[..., Complex[Array, ""]] = eqx.field(static=True)
     """From plant, controller and angular frequency to the open loop."""
-    plant: MotorPlant
-    """The drive."""
+    plant: MotorPlant | FlexiblePlant
+    """The drive, or the flexible robot."""
     controller: PD
     """The controller."""
 
@@ -68,7 +69,7 @@ def continuous_margins(plant: MotorPlant, controller: PD) -> Margins:
     Returns:
         The margins, differentiable in the plant and the controller.
     """
-    scale = _crossover_scale(plant, controller)
+    scale = crossover_scale(plant, controller)
     exponents = jnp.linspace(-_DECADES, _DECADES, _POINTS, dtype=scale.dtype)
     response = Response(continuous_loop, plant, controller)
     return _margins(response, scale * 10**exponents, at_nyquist=False)
@@ -95,13 +96,13 @@ def sampled_margins(plant: MotorPlant, controller: PD, *, delay: int = 1) -> Mar
         )
     # A rate that is fitted or optimised moves the Nyquist frequency with it.
     nyquist = jnp.pi / controller.period
-    lowest = 10**-_DECADES * jnp.minimum(_crossover_scale(plant, controller), nyquist)
+    lowest = 10**-_DECADES * jnp.minimum(crossover_scale(plant, controller), nyquist)
     share = jnp.linspace(0.0, 1.0, _POINTS, dtype=lowest.dtype)
     response = Response(functools.partial(sampled_loop, delay=delay), plant, controller)
     return _margins(response, lowest * (nyquist / lowest) ** share, at_nyquist=True)
 
 
-def _crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
+def crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
     r"""Gain crossover of the continuous loop without a filter, to place the grid.
 
     $\omega^4 + (p^2 - g^2 K_d^2) \omega^2 - g^2 K_p^2 = 0$ has one positive root.
@@ -121,7 +122,7 @@ def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: b
     gain_crossover, phase_margin = _gain_crossover(response, grid, values)
     phase_crossover, gain_margin = _phase_crossover(response, grid, values)
     if at_nyquist:
-        phase_crossover, gain_margin = _with_nyquist(
+        phase_crossover, gain_margin = with_nyquist(
             response, nyquist, phase_crossover, gain_margin
         )
     return Margins(
@@ -130,7 +131,7 @@ def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: b
         delay_margin=phase_margin / gain_crossover,
         phase_crossover=phase_crossover,
         gain_margin=gain_margin,
-        peak_sensitivity=_peak_sensitivity(response, grid, values),
+        peak_sensitivity=peak_sensitivity(response, grid, values),
     )
 
 
@@ -155,13 +156,13 @@ def _gain_crossover(
     crosses = log_gain[:-1] * log_gain[1:] <= 0
     angles = jnp.unwrap(jnp.angle(-values))[:-1]
     index = jnp.argmin(jnp.where(crosses, jnp.abs(angles), jnp.inf))
-    root = _root(_log_gain, response, grid[index], grid[index + 1])
-    margin = _phase_over_half_turn(response, root)
+    crossover = root(_log_gain, response, grid[index], grid[index + 1])
+    margin = _phase_over_half_turn(response, crossover)
     # More than a turn of lag must not come back as a positive margin.
     turns = jax.lax.stop_gradient(jnp.round((angles[index] - margin) / (2 * jnp.pi)))
     found = crosses[index]
     return (
-        jnp.where(found, root, jnp.nan),
+        jnp.where(found, crossover, jnp.nan),
         jnp.where(found, margin + 2 * jnp.pi * turns, jnp.nan),
     )
 
@@ -173,28 +174,48 @@ def _phase_crossover(
     crosses = (jnp.imag(values[:-1]) * jnp.imag(values[1:]) < 0) & negative
     distance = jnp.abs(jnp.log(jnp.abs(values[:-1])))
     index = jnp.argmin(jnp.where(crosses, distance, jnp.inf))
-    root = _root(_phase_over_half_turn, response, grid[index], grid[index + 1])
-    margin = jnp.exp(-_log_gain(response, root))
+    crossover = root(_phase_over_half_turn, response, grid[index], grid[index + 1])
+    margin = jnp.exp(-_log_gain(response, crossover))
     found = crosses[index]
-    return jnp.where(found, root, jnp.nan), jnp.where(found, margin, jnp.inf)
+    return jnp.where(found, crossover, jnp.nan), jnp.where(found, margin, jnp.inf)
 
 
-def _with_nyquist(
+def with_nyquist(
     response: Response,
     nyquist: Float[Array, ""],
     phase_crossover: Float[Array, ""],
     gain_margin: Float[Array, ""],
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """A sampled response is real at the Nyquist frequency: no sign change marks it."""
+    """The gain margin with the Nyquist frequency, where no sign change marks a real response.
+
+    Args:
+        response: The open loop, sampled.
+        nyquist: The Nyquist frequency [rad/s].
+        phase_crossover: Phase crossover with the least gain margin below it [rad/s].
+        gain_margin: That margin [1].
+
+    Returns:
+        Phase crossover [rad/s] and gain margin [1] over all frequencies.
+    """
     value = jnp.real(response(nyquist))
     margin = 1 / jnp.abs(value)
     nearer = (value < 0) & (jnp.abs(jnp.log(margin)) < jnp.abs(jnp.log(gain_margin)))
     return jnp.where(nearer, nyquist, phase_crossover), jnp.where(nearer, margin, gain_margin)
 
 
-def _peak_sensitivity(
+def peak_sensitivity(
     response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
 ) -> Float[Array, ""]:
+    """Largest $1 / |1 + L|$, by golden section around the grid's nearest point to $-1$.
+
+    Args:
+        response: The open loop.
+        grid: Angular frequencies, ascending [rad/s].
+        values: The response there.
+
+    Returns:
+        The peak [1].
+    """
     nearest = jnp.argmin(jnp.abs(1 + values))
     low = grid[jnp.maximum(nearest - 1, 0)]
     high = grid[jnp.minimum(nearest + 1, grid.size - 1)]
@@ -202,10 +223,20 @@ def _peak_sensitivity(
     return 1 / _distance(response, _minimum(_distance, response, low, high))
 
 
-def _root(
+def root(
     measure: Measure, response: Response, low: Float[Array, ""], high: Float[Array, ""]
 ) -> Float[Array, ""]:
-    """Where a measure of the response vanishes, with the implicit function's derivative."""
+    """Where a measure of the response vanishes, with the implicit function's derivative.
+
+    Args:
+        measure: From response and angular frequency to the number.
+        response: The open loop.
+        low: Lower end of a stretch in which the measure changes sign [rad/s].
+        high: Its upper end [rad/s].
+
+    Returns:
+        Angular frequency [rad/s].
+    """
     function = functools.partial(measure, jax.lax.stop_gradient(response))
     sign = jnp.sign(function(low))
 

@@ -96,11 +96,11 @@ def imaginary(number: Float[Array, ""]) -> Complex[Array, ""]:
     return jax.lax.complex(jnp.zeros_like(number), number)
 
 
-def as_complex(*numbers: Float[Array, ""]) -> tuple[Complex[Array, ""], ...]:
+def as_complex(*numbers: Float[Array, "..."]) -> tuple[Complex[Array, "..."], ...]:
     """Real numbers in the complex type of their precision.
 
     Args:
-        *numbers: Real numbers.
+        *numbers: Real numbers, or arrays of them.
 
     Returns:
         The same numbers.

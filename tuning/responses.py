@@ -84,7 +84,7 @@ def continuous_loop(
         Response [1].
     """
     derivative = continuous_derivative(angular_frequency, filter_time=controller.filter_time)
-    return _pd_gain(controller, derivative) * continuous_response(plant, angular_frequency)
+    return pd_gain(controller, derivative) * continuous_response(plant, angular_frequency)
 
 
 def sampled_loop(
@@ -105,12 +105,21 @@ def sampled_loop(
     derivative = sampled_derivative(
         angular_frequency, period=period, filter_time=controller.filter_time
     )
-    gain = _pd_gain(controller, derivative)
+    gain = pd_gain(controller, derivative)
     lag = sampled_delay(angular_frequency, period=period, delay=delay)
     return lag * gain * sampled_response(plant, angular_frequency, period=period)
 
 
-def _pd_gain(controller: PD, derivative: Complex[Array, ""]) -> Complex[Array, ""]:
+def pd_gain(controller: PD, derivative: Complex[Array, ""]) -> Complex[Array, ""]:
+    """The controller's response for that of its derivative, $K_p + K_d D$.
+
+    Args:
+        controller: The controller.
+        derivative: Response $D$ of its derivative [1/s].
+
+    Returns:
+        Response [V/rad].
+    """
     proportional_gain, derivative_gain = as_complex(
         controller.proportional_gain, controller.derivative_gain
     )

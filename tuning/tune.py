@@ -39,6 +39,7 @@ from tuning.types import (
     TrackingRun,
     Tuning,
 )
+from tuning.worst_margins import margin_map, worst_margins
 
 _SPAN = (0.3 / 2.224, 1.9 / 2.224)
 """Ends of Table 3's horizontal manoeuvre, as shares of the frame's width [1]."""
@@ -138,13 +139,16 @@ def tune(
         _predict(task, found.controller, found.shaper, leg_time, longest=max(leg_times))
         for leg_time in leg_times
     )
+    fitted = tuple(FittedSetting(s, robot) for s, robot in robots.items())
+    progress("margins over the workspace", 0.97)
     plant = MotorPlant(gain=drive_gain(task.robot.drive), pole=drive_pole(task.robot.drive))
     return Tuning(
         controller=found.controller,
         margins=sampled_margins(plant, found.controller),
         shapers=tuple(shapers),
         predicted=predicted,
-        robots=tuple(FittedSetting(s, robot) for s, robot in robots.items()),
+        robots=fitted,
+        worst_margins=worst_margins(margin_map(fitted, found.controller)),
         notes=_notes(shapers, predicted),
     )
 

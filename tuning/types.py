@@ -10,6 +10,7 @@ from scdpr_jax.fields import si
 from scdpr_jax.parameters import Robot
 from scdpr_jax.shaper import Shaper
 from tuning.margins import Margins
+from tuning.worst_margins import WorstMargin
 
 Range = tuple[float, float]
 """Lower and upper end."""
@@ -140,13 +141,15 @@ class Tuning:
     controller: PD
     """The PD controller of both drives."""
     margins: Margins
-    """Margins of the sampled loop with a computing time of one sample."""
+    """Margins of a bare drive's sampled loop with a computing time of one sample."""
     shapers: tuple[RegionalShaper, ...]
     """The shapers, which cover the workspace at every measured pretension."""
     predicted: tuple[Prediction, ...]
     """Manoeuvres simulated before and after."""
     robots: tuple[FittedSetting, ...] = ()
     """The fitted robot at every tuned pretension, which legs are planned for."""
+    worst_margins: tuple[WorstMargin, ...] = ()
+    """Worst margins of the flexible robot's loops over the workspace; empty if unknown."""
     notes: tuple[str, ...] = ()
     """What a reader should know, in whole sentences."""
 

@@ -18,6 +18,7 @@ from tuning.types import (
     ResidualVibration,
     Tuning,
 )
+from tuning.worst_margins import WorstMargin
 
 METRICS = Metrics(5e-3, 2e-3, 54e-3, 15e-3, 54e-3, 8.9, 0.0)
 
@@ -30,7 +31,11 @@ def tuning():
     shaper = RegionalShaper(region, ei(3.1, 0.0), 3.1, (3.09, 3.11), 0.0, True, left)
     predicted = Prediction("horizontal", METRICS, METRICS)
     robots = (FittedSetting(350.0, consistent()),)
-    return Tuning(published_pd(), margins, (shaper,), (predicted,), robots, ("A note.",))
+    worst = (
+        WorstMargin("phase_margin", 0.3, "lifting", 0.4, 350.0),
+        WorstMargin("gain_margin", float("inf"), "lifting", 0.4, 350.0),
+    )
+    return Tuning(published_pd(), margins, (shaper,), (predicted,), robots, worst, ("A note.",))
 
 
 def test_a_tuning_that_is_written_and_read_is_the_same(tuning, tmp_path):
