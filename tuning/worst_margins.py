@@ -20,8 +20,9 @@ _HEIGHTS = 21
 _CLEAR = 0.05
 """Distance of the end-effector from the guides [m]: nearer its cables have no length."""
 _JUDGED = (
-    ("phase_margin", np.argmin),
-    ("delay_margin", np.argmin),
+    # A loop whose gain never reaches one has no such margin, which is none to worry about.
+    ("phase_margin", lambda margins: np.argmin(np.nan_to_num(margins, nan=np.inf))),
+    ("delay_margin", lambda margins: np.argmin(np.nan_to_num(margins, nan=np.inf))),
     ("gain_margin", lambda margins: np.argmin(np.abs(np.log(margins)))),
     ("peak_sensitivity", np.argmax),
 )
