@@ -16,8 +16,8 @@ def batched(
 ) -> Float[Array, "points ..."]:
     """A function of many points, some at a time, on one device.
 
-    Not `scdpr_jax.batches`, which shares points out to devices by `jax.shard_map`: lineax,
-    and with it every implicit solver, doesn't trace inside of that.
+    Not `scdpr_jax.batches`, which shares points among devices and brings every chunk back:
+    what is timed is one compiled call.
 
     Args:
         function: The function of a point; equal ones are compiled once.
