@@ -175,7 +175,8 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
 
     The loop's forces are internal, so that from rest, twice integrated,
 
-    $$ m_e \Delta x_e + m_3 \Delta q_3 + m_4 \Delta q_4 - \iint \big((\tau_1 + \tau_2)/r + F_k\big)
+    $$ m_e \Delta x_e + m_3 \Delta q_3 + m_4 \Delta q_4
+       - \iint \big((\tau_1 + \tau_2)/r + F_k\big)
        = -\tfrac{2J}{r^2} \Delta q_3 - \tfrac{2b}{r^2} \int \Delta q_3
          - F \iint (\mathrm{sgn}\,\dot q_3 + \mathrm{sgn}\,\dot q_4) $$
 
