@@ -260,8 +260,11 @@ def _step(tables: _Tables, state: Scalars, held: Scalars) -> Scalars:
 
     position, velocity = list(ahead[:4]), list(ahead[4:])
     for i, found in enumerate(deviations):
-        shares = [(j, found.felt(tables.coupling[i][j])) for j in range(4)]
-        for j, (moved, sped) in (*shares, (2 + i, found.answer(tables.damped[i]))):
+        for j, coupling in enumerate(tables.coupling[i]):
+            itself = j == 2 + i
+            moved, sped = (
+                found.answer(tables.damped[i], coupling) if itself else found.felt(coupling)
+            )
             position[j] += h * moved
             velocity[j] += sped
     for i, found in enumerate(deviations):
@@ -292,7 +295,8 @@ def _at_start(
 def _assumed_forces(tables: _Tables, carriages: list[_Held], pushed: Scalars) -> Scalars:
     """What acts on the carriages on the assumed branches, constant and rising [m/s].
 
-    Friction is constant on a carriage that slides; on one that is held it is the load.
+    Friction is constant on a carriage that slides; on one that is held it is the load, but
+    for its curvature, which is known only at the step's end.
     """
     h = tables.duration
     steady, rising = [], []
@@ -339,13 +343,15 @@ def _assumed(
     h, row = tables.duration, tables.pull[i]
     load, slope, linear = carriage.load, carriage.load_slope, carriage.acceleration
     last = sum(row[j] * end[j] for j in range(4)) + h * pushed
+    curve = once(last - load - slope)
     quadratic = end[6 + i] - speed - linear
     end_slope = last - tables.damped[i] * end[6 + i] - carriage.branch * tables.limit[i]
     return Assumed(
         branch=carriage.branch,
         velocity=Quadratic(speed, linear, quadratic),
         bend=end_slope - linear - 2 * quadratic,
-        load=Quadratic(load, slope, last - load - slope),
+        load=Quadratic(load, slope, curve),
         limit=tables.limit[i],
+        unheld=jnp.where(carriage.branch == 0, curve, 0.0),
         stiffness=-h * row[2 + i],
     )

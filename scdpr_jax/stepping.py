@@ -248,6 +248,8 @@ def _assumed_motion(held: Inputs, stages: _Stages, carriage: _Carriage) -> Assum
         bend=end_slope - linear - 2 * quadratic,
         load=Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle),
         limit=h * stages.middle.limit[_CARRIAGES.index(i)],
+        # The stages hold it where it is.
+        unheld=jnp.zeros_like(h),
         stiffness=jnp.square(h) * carriage.couplings[i],
     )
 
@@ -259,13 +261,14 @@ def _deviate(
     h = held.duration
     position, velocity = list(end.position), list(end.velocity)
     for carriage, own in zip(carriages, found, strict=True):
-        for k, coupling in enumerate(carriage.couplings):
-            displaced, hastened = own.felt(-jnp.square(h) * coupling)
-            position[k] += h * displaced
-            velocity[k] += hastened
-        moved, sped = own.answer(h * carriage.rate)
-        position[carriage.index] += h * moved
-        velocity[carriage.index] += sped
+        for k, stiffness in enumerate(carriage.couplings):
+            coupling = -jnp.square(h) * stiffness
+            itself = k == carriage.index
+            moved, sped = (
+                own.answer(h * carriage.rate, coupling) if itself else own.felt(coupling)
+            )
+            position[k] += h * moved
+            velocity[k] += sped
     for carriage, own in zip(carriages, found, strict=True):
         i = carriage.index
         velocity[i] = jnp.where(own.sticks, 0.0, velocity[i])

@@ -41,6 +41,8 @@ class Assumed(NamedTuple):
     """What friction must balance to hold the carriage where the branch takes it [m/s]."""
     limit: Float[Array, ""]
     """Largest friction [m/s]."""
+    unheld: Float[Array, ""]
+    """What the assumed friction of a held carriage lacks of the load's square term [m/s]."""
     stiffness: Float[Array, ""]
     """The cables' stiffness against the carriage, times the step squared over mass [1]."""
 
@@ -50,31 +52,36 @@ class Deviation(NamedTuple):
 
     moments: tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""], Float[Array, ""]]
     r"""$E_k = \int_0^1 (1-\theta)^k d(\theta)\,d\theta$, d the difference, up to E_3 [m/s]."""
+    pulls: tuple[Float[Array, ""], Float[Array, ""]]
+    """E_2 and E_3 with what the assumed friction lacked while it held the carriage: that
+    moves whatever the cables tie to it, and not the carriage itself [m/s]."""
     sticks: Bool[Array, ""]
     """Whether the carriage stands still at the end of the step."""
 
-    def answer(self, damped: Float[Array, "..."]) -> tuple[Array, Array]:
+    def answer(
+        self, damped: Float[Array, "..."], coupling: Float[Array, "..."]
+    ) -> tuple[Array, Array]:
         r"""The carriage's own displacement over the step's length, and its velocity [m/s].
 
-        $$ \delta q / h = E_1 - ch E_2 / 2, \qquad
-           \delta v = E_0 - ch E_1 + (ch)^2 E_2 / 2 $$
-
-        Its stiffness acts like that against every other coordinate, `felt`.
+        $$ \delta q / h = E_1 - ch E_2 / 2 + \kappa E_3 / 6, \qquad
+           \delta v = E_0 - ch E_1 + \left((ch)^2 + \kappa\right) E_2 / 2 $$
 
         Args:
             damped: Damping over mass, times the step's length, $ch$ [1].
+            coupling: Acceleration of the carriage per displacement of its own, times the
+                step's length squared, $\kappa$ [1].
 
         Returns:
             Both, to be added to the assumed motion's end.
         """
-        zeroth, first, second, _ = self.moments
+        zeroth, first, second, third = self.moments
         return (
-            first - damped * second / 2,
-            zeroth - damped * first + jnp.square(damped) * second / 2,
+            first - damped * second / 2 + coupling * third / 6,
+            zeroth - damped * first + (jnp.square(damped) + coupling) * second / 2,
         )
 
     def felt(self, coupling: Float[Array, "..."]) -> tuple[Array, Array]:
-        r"""What a coordinate that the cables tie to the carriage feels of its displacement.
+        r"""What another coordinate, tied to the carriage by the cables, feels of it.
 
         $$ \delta x / h = \kappa E_3 / 6, \qquad \delta v = \kappa E_2 / 2 $$
 
@@ -85,7 +92,7 @@ class Deviation(NamedTuple):
         Returns:
             Its displacement over the step's length, and its velocity, to be added likewise.
         """
-        _, _, second, third = self.moments
+        second, third = self.pulls
         return coupling * third / 6, coupling * second / 2
 
 
@@ -144,9 +151,10 @@ def deviation(assumed: Assumed) -> Deviation:
     )
     released = load._replace(constant=load.constant - jnp.sign(load(1.0)) * limit)
     tails = [_tail(stopped, stop), _tail(released, release)]
-    return Deviation(
-        tuple(once(_moment(order, *tails)) for order in range(4)), holds & (release == 1)
-    )
+    moments = tuple(once(_moment(order, *tails)) for order in range(4))
+    # The moments of the square term are 2 k!/(k+3)!.
+    pulls = (once(moments[2] - assumed.unheld / 30), once(moments[3] - assumed.unheld / 60))
+    return Deviation(moments, pulls, holds & (release == 1))
 
 
 def _stop(assumed: Assumed) -> tuple[Float[Array, ""], Bool[Array, ""]]:

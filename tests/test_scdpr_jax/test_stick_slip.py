@@ -9,12 +9,12 @@ from scdpr_jax.stick_slip import Assumed, Quadratic, deviation
 LIMIT = 1.0
 
 
-def assumed(branch, velocity, load, *, bend=0.0):
+def assumed(branch, velocity, load, *, bend=0.0, unheld=0.0):
     """A carriage without cables' stiffness, on a branch."""
-    numbers = (jnp.asarray(float(number)) for number in (branch, bend, LIMIT, 0.0))
-    branch, bend, limit, stiffness = numbers
+    numbers = (jnp.asarray(float(number)) for number in (branch, bend, LIMIT, unheld, 0.0))
+    branch, bend, limit, unheld, stiffness = numbers
     velocity, load = (Quadratic(*map(jnp.asarray, p)) for p in (velocity, load))
-    return Assumed(branch, velocity, bend, load, limit, stiffness)
+    return Assumed(branch, velocity, bend, load, limit, unheld, stiffness)
 
 
 def moments_of(difference, *, begin=0.0, end=1.0):
@@ -71,6 +71,13 @@ def test_a_held_carriage_breaks_away_where_its_load_passes_the_limit(side):
     found = deviation(assumed(0, (0.0, 0.0, 0.0), (side * 0.5, side * 1.0, 0.0)))
     assert_moments(found, moments_of(lambda t: side * (0.5 + t - LIMIT), begin=0.5))
     assert not found.sticks
+
+
+def test_others_feel_what_the_friction_of_a_held_carriage_lacks_and_itself_does_not():
+    found = deviation(assumed(0, (0.0, 0.0, 0.0), (0.1, 0.2, 0.3), unheld=0.3))
+    assert_moments(found, np.zeros(4))
+    expected = moments_of(lambda t: -0.3 * t**2)[2:]
+    np.testing.assert_allclose(found.pulls, expected, rtol=0, atol=np.finfo(float).eps)
 
 
 def test_a_carriage_that_has_stopped_may_break_away_again():
