@@ -17,6 +17,7 @@ from scdpr_jax.controller import Controller, saturate
 from scdpr_jax.dynamics import State
 from scdpr_jax.fields import real, si
 from scdpr_jax.kinematics import inverse_kinematics
+from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.parameters import Robot
 from scdpr_jax.sensors import Encoder, read_encoder
 from scdpr_jax.stepping import Inputs, step
@@ -142,7 +143,7 @@ def sampled_loop(
 
     memory = controller.initial_state(commanded[0], measure(start))
     waiting = jnp.zeros((delay_samples, 2), dtype=period.dtype)
-    _, (states, voltage) = jax.lax.scan(
+    _, (states, voltage) = lean_scan(
         sample, (start, memory, waiting), (commanded[:-1], feedforward[:-1], knock)
     )
     return ClosedLoop(

@@ -20,6 +20,7 @@ from jaxtyping import Array, Float
 from scdpr_jax.drive import motor_torque
 from scdpr_jax.dynamics import State, dampings, drive_forces, masses
 from scdpr_jax.fields import real, si
+from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.linear import linearise
 from scdpr_jax.once import once
 from scdpr_jax.parameters import Robot
@@ -145,7 +146,7 @@ def simulate_linear(
         return state, state
 
     first = (*start.position, *start.velocity)
-    _, rows = jax.lax.scan(advance, first, pushes)
+    _, rows = lean_scan(advance, first, pushes)
     columns = [jnp.concatenate([a[None], b]) for a, b in zip(first, rows, strict=True)]
     return State(jnp.stack(columns[:5], axis=-1), jnp.stack(columns[5:], axis=-1))
 

@@ -24,6 +24,7 @@ from scdpr_jax.drive import motor_torque
 from scdpr_jax.dynamics import State, dampings, masses, smooth_forces
 from scdpr_jax.fields import real, si
 from scdpr_jax.friction import Coulomb
+from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.once import once
 from scdpr_jax.parameters import Robot
 from scdpr_jax.stick_slip import Assumed, Deviation, Quadratic, branch_at_start, deviation
@@ -65,7 +66,7 @@ def simulate(robot: Robot, start: State, inputs: Inputs) -> State:
         following = step(robot, state, held)
         return following, following
 
-    _, states = jax.lax.scan(advance, start, inputs)
+    _, states = lean_scan(advance, start, inputs)
     return jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
 
 

@@ -18,6 +18,7 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.dynamics import State
 from scdpr_jax.fields import real, si
+from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.loop_elasticity import lengthening
 from scdpr_jax.parameters import Robot, replace
 from scdpr_jax.stepping import Inputs, step
@@ -109,7 +110,7 @@ def simulate_tensioned(
 
     none = jnp.zeros_like(tensioner.setpoint)
     first = (start, tension(start, none, creep[0]), none)
-    _, rest = jax.lax.scan(advance, (start, none), (inputs, creep[:-1], creep[1:]))
+    _, rest = lean_scan(advance, (start, none), (inputs, creep[:-1], creep[1:]))
     return TensionedRun(
         *jax.tree.map(lambda one, more: jnp.concatenate([one[None], more]), first, rest)
     )
@@ -148,7 +149,7 @@ def held_tension(
         return following, following
 
     none = jnp.zeros_like(tensioner.setpoint)
-    _, later = jax.lax.scan(advance, none, (jnp.diff(times), jnp.diff(creep)))
+    _, later = lean_scan(advance, none, (jnp.diff(times), jnp.diff(creep)))
     return jnp.maximum(tensioner.setpoint + jnp.concatenate([none[None], later]), 0)
 
 

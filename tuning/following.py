@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -11,6 +10,7 @@ from scdpr_jax.controller import PD, saturate
 from scdpr_jax.dynamics import State, rest
 from scdpr_jax.fields import si
 from scdpr_jax.kinematics import inverse_kinematics
+from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.parameters import Robot
 from scdpr_jax.stepping import Inputs, step
 from tuning.feedforward import DRIVEN, Motion, inverse_dynamics
@@ -70,7 +70,7 @@ def follow(
         following = step(robot, state, held)
         return following, (following, forward, voltage)
 
-    _, (states, forward, voltage) = jax.lax.scan(advance, start, (instants, middles))
+    _, (states, forward, voltage) = lean_scan(advance, start, (instants, middles))
     return Followed(states, forward, voltage)
 
 
