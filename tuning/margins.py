@@ -57,6 +57,7 @@ class Response(eqx.Module):
 Measure = Callable[[Response, Float[Array, ""]], Float[Array, ""]]
 
 
+@jax.jit
 def continuous_margins(plant: MotorPlant, controller: PD) -> Margins:
     """Margins of the loop that Eq. (25) was designed on: no sampling, no delay.
 
@@ -94,6 +95,11 @@ def sampled_margins(plant: MotorPlant, controller: PD, *, delay: int = 1) -> Mar
             f"`delay` must not be negative [samples], got {delay}: a command that is out "
             "before the next sample has 0, one that waits for it has 1."
         )
+    return _sampled_margins(plant, controller, delay=delay)
+
+
+@functools.partial(jax.jit, static_argnames="delay")
+def _sampled_margins(plant: MotorPlant, controller: PD, *, delay: int) -> Margins:
     # A rate that is fitted or optimised moves the Nyquist frequency with it.
     nyquist = jnp.pi / controller.period
     lowest = 10**-_DECADES * jnp.minimum(crossover_scale(plant, controller), nyquist)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -56,8 +56,12 @@ def model_curve(robot: Robot) -> ModelCurve:
         float(frame.height - body.upper_offset) - _CLEAR,
         _HEIGHTS,
     )
-    frequency = jax.vmap(lambda y: natural_frequencies(robot, y, BOTH_HELD))(height)
-    return ModelCurve(np.asarray(height), np.asarray(frequency))
+    return ModelCurve(np.asarray(height), np.asarray(_over_height(robot, height)))
+
+
+@jax.jit
+def _over_height(robot: Robot, height: Float[Array, " heights"]) -> Float[Array, "heights 2"]:
+    return jax.vmap(lambda y: natural_frequencies(robot, y, BOTH_HELD))(height)
 
 
 @styled

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 from matplotlib.figure import Figure
 
 from experiments.style import (
@@ -61,10 +61,16 @@ def residual_curve(
         Residual vibration [1], 1 for as much as without a shaper.
     """
     ratio = jnp.asarray(named.damping_ratio)
-    curve = jax.vmap(
-        lambda f: residual_vibration(named.shaper, frequency=f, damping_ratio=ratio)
-    )(jnp.asarray(frequency))
-    return np.asarray(curve)
+    return np.asarray(_residual_curve(named.shaper, jnp.asarray(frequency), ratio))
+
+
+@jax.jit
+def _residual_curve(
+    shaper: Shaper, frequency: Float[Array, " points"], ratio: Float[Array, ""]
+) -> Float[Array, " points"]:
+    return jax.vmap(lambda f: residual_vibration(shaper, frequency=f, damping_ratio=ratio))(
+        frequency
+    )
 
 
 @styled
