@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from experiments.coordinates import plain_symbol
 from experiments.number_text import percent, readable_unit, rounded
-from identification.uncertainty import ParameterEstimate, half_width
+from identification.uncertainty import ParameterEstimate, half_width, magnitude
 from scdpr_jax.parameters import QUANTITIES, REFINEMENTS
 
 COVERED = 0.997
@@ -30,7 +30,7 @@ class Row(NamedTuple):
     high: str
     """Upper end."""
     relative: str
-    """Half of the interval over the value."""
+    """Half of the interval over the value's `magnitude`."""
     unit: str
     """SI unit, empty for none."""
     status: str
@@ -61,6 +61,7 @@ def parameter_row(
     low, high = parameter.interval95
     half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
     fixed = parameter.status == "fixed"
+    size = magnitude(parameter.name, parameter.value)
     # What no run shows has no interval, and none is invented.
     untold = fixed or not math.isfinite(half)
     true = None if fixed else (truth or {}).get(parameter.name)
@@ -72,7 +73,7 @@ def parameter_row(
         value=rounded(parameter.value, half),
         low="" if untold else rounded(low, half),
         high="" if untold else rounded(high, half),
-        relative="" if untold or not parameter.value else percent(half / abs(parameter.value)),
+        relative="" if untold or not size else percent(half / size),
         unit="" if parameter.unit == "1" else readable_unit(parameter.unit),
         status=parameter.status.replace("_", " "),
         truth="" if true is None else rounded(true, half),

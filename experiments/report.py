@@ -172,7 +172,8 @@ def _parameter_pictures(
     yield picture(
         intervals(free, truth=truth),
         "How well each parameter is known: the shorter the bar, the better. A bar that "
-        "reaches the dashed lines is weakly identified or not at all."
+        "reaches the dashed lines is weakly identified or not at all. What may be zero is "
+        "held against a tenth of its usual size where that is more than its value."
         + (
             " A cross left of its bar's end: the truth is inside the interval." if truth else ""
         ),

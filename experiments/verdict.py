@@ -12,7 +12,7 @@ from identification.campaign.types import Campaign
 from identification.comparison import ENCODERS, Channel, Comparison
 from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
-from identification.uncertainty import ParameterEstimate, half_width
+from identification.uncertainty import USUAL, ParameterEstimate, half_width
 from identification.unknowns import PER_SETTING
 from identification.validation import LEVEL, validate
 from scdpr_jax.parameters import value
@@ -261,6 +261,9 @@ def _parameter(parameter: ParameterEstimate) -> str:
     if parameter.status == "at_bound":
         return f"{name} came to rest at its bound, {rounded(parameter.value, 0)}{unit}."
     half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
+    if parameter.name in USUAL and parameter.value <= half:
+        most = rounded(parameter.value + half, half)
+        return f"{name}: {most}{unit} at the most (95 %); the runs don't ask for any."
     relative = f", {percent(half / abs(parameter.value))}" if parameter.value else ""
     weak = "; only weakly identified" if parameter.status == "weak" else ""
     return (

@@ -45,9 +45,8 @@ def open_loop(plant: MotorPlant, controller: PD, *, delay: int, crossover: float
     """
     nyquist = np.pi / float(controller.period)
     omega = jnp.asarray(np.geomspace(_LOWEST * crossover, _HIGHEST * nyquist, _POINTS))
-    response = np.asarray(
-        jax.vmap(lambda w: sampled_loop(plant, controller, w, delay=delay))(omega)
-    )
+    over = jax.jit(jax.vmap(lambda w: sampled_loop(plant, controller, w, delay=delay)))
+    response = np.asarray(over(omega))
     phase = np.degrees(np.unwrap(np.angle(response)))
     # The lowest frequency is integrated once: its phase is near -90 degrees.
     phase -= 360 * np.round((phase[0] + 90) / 360)

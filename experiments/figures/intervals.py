@@ -9,7 +9,7 @@ from matplotlib.ticker import NullLocator
 
 from experiments.number_text import percent, plain
 from experiments.style import BLACK, BLUE, GREY, VERMILION, label, new_figure, styled
-from identification.uncertainty import UNSEEN, WEAK, ParameterEstimate
+from identification.uncertainty import UNSEEN, WEAK, ParameterEstimate, magnitude
 
 
 class RelativeInterval(NamedTuple):
@@ -18,7 +18,8 @@ class RelativeInterval(NamedTuple):
     name: str
     """Name and setting."""
     half_width: float
-    """Half of the 95 % interval over the value [1]; infinite where it isn't known."""
+    """Half of the 95 % interval over the value's `magnitude` [1]; infinite where it isn't
+    known."""
     error: float | None
     """Estimate minus truth over truth [1], None where no truth is given."""
     status: str
@@ -42,11 +43,12 @@ def relative_intervals(
         if parameter.status == "fixed":
             continue
         half = (parameter.interval95[1] - parameter.interval95[0]) / 2
+        size = magnitude(parameter.name, parameter.value)
         known = (truth or {}).get(parameter.name)
         found.append(
             RelativeInterval(
                 name=shown_name(parameter),
-                half_width=half / abs(parameter.value) if parameter.value else np.inf,
+                half_width=half / size if size else np.inf,
                 error=parameter.value / known - 1 if known else None,
                 status=parameter.status,
             )

@@ -45,6 +45,12 @@ def texts(figure):
     return [text.get_text() for text in figure.findobj(matplotlib.text.Text)]
 
 
+def test_what_may_be_zero_is_held_against_its_usual_size():
+    (bar,) = relative_intervals([parameter("drive_friction", 3e-6, 2e-6, unit="N m")])
+    # A tenth of 0.05 N m, and twice the standard error.
+    assert bar.half_width == pytest.approx(4e-6 / 5e-3, rel=1e-12)
+
+
 def test_residuals_are_in_units_of_the_noise():
     run = comparison("a")
     moved = dataclasses.replace(run, measured=run.simulated + 3 * CAMERA_SIGMA)

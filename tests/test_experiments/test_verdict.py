@@ -115,6 +115,14 @@ def test_what_the_data_do_not_tell_is_said_with_what_to_do():
     assert any("Log runs that excite the drive damping" in step for step in found.next)
 
 
+def test_what_may_be_zero_is_told_by_its_upper_end():
+    nothing = parameter("drive_friction", 3e-6, 2e-6, unit="N m")
+    lines = said(estimate(parameters=(*estimate().parameters[:2], nothing))).found
+    assert (
+        "Drive friction: 0.0000069 N m at the most (95 %); the runs don't ask for any." in lines
+    )
+
+
 def test_a_weak_estimate_is_called_weak():
     assert any("only weakly identified" in line for line in said(estimate()).found)
 
