@@ -44,6 +44,7 @@ def in_lanes(
     Returns:
         The results, stacked as the vectors are, as NumPy arrays.
     """
+
     def chunk(
         own: tuple[Float[np.ndarray, "lanes n"], Int[np.ndarray, " lanes"]],
     ) -> Result:

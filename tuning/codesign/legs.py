@@ -33,10 +33,10 @@ encoders moves the derivative twice as much as on the search's coarser grid."""
 
 _VIBRATION = 1e-3
 """Vibration, peak to peak, that counts as one [m]."""
-_RESTING = 5e-3
+_RESTING = 3e-3
 """Distance of where it rests from the target that counts as one [m]."""
-_TRACKING = 50e-3
-"""Largest error, Eq. (26), that counts as one [m]; the paper reports as much."""
+_TRACKING = 30e-3
+"""Largest error, Eq. (26), that counts as one [m]; the paper reports 50 mm."""
 _EFFORT = 4.0
 """Share of the voltage limit, root mean square, that counts as one [1]: it decides between
 designs that are alike otherwise."""

@@ -5,6 +5,7 @@ robot's margins leave. The move's time is parted between the leg and the shaper'
 that it stays what it is. The leg is a Bézier curve of seventh order from rest to rest.
 """
 
+import itertools
 from typing import NamedTuple
 
 import equinox as eqx
@@ -14,7 +15,6 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.controller import PD
-from scdpr_jax.fields import si
 from scdpr_jax.shaper import Shaper
 from scdpr_jax.trajectory import QUARTIC
 from tuning.codesign.admissible import Admissible
@@ -22,6 +22,8 @@ from tuning.codesign.legs import Command, Grid
 
 ORDER = 7
 """Order of the leg's Bézier curve: four control points are free."""
+IMPULSES = 4
+"""Impulses of a design's shaper."""
 _BEND = 0.2
 """Change of a control point that an unknown of one makes [1]."""
 
@@ -31,12 +33,32 @@ class Unknowns(eqx.Module):
 
     gains: Float[Array, "... 2"]
     """Logits of crossover and phase margin within what is admissible [1]."""
-    parts: Float[Array, "... impulses"]
-    """Logarithms of the times of the leg and between the impulses, over the leg's [1]."""
-    amplitudes: Float[Array, "... impulses"]
+    parts: Float[Array, "... gaps"]
+    """Logarithms of the times between the impulses over the leg's [1]."""
+    amplitudes: Float[Array, "... gaps"]
     """Logarithms of the amplitudes of all impulses but the last over the last one's [1]."""
     bends: Float[Array, "... bends"]
     """Control points less those of section 6.2's curve, over a fifth of the way [1]."""
+
+    def flat(self) -> Float[Array, " n"]:
+        """All of them in one row.
+
+        Returns:
+            The row.
+        """
+        return jnp.concatenate([self.gains, self.parts, self.amplitudes, self.bends])
+
+    @classmethod
+    def of(cls, row: Float[Array, " n"]) -> "Unknowns":
+        """The unknowns of a row.
+
+        Args:
+            row: What `flat` gave.
+
+        Returns:
+            The unknowns.
+        """
+        return cls(*jnp.split(row, np.cumsum([2, IMPULSES - 1, IMPULSES - 1])))
 
 
 class Law(NamedTuple):
@@ -50,9 +72,6 @@ class Law(NamedTuple):
     """Share of the way at each of the leg's control points [1]."""
     leg_time: Float[Array, ""]
     """Time of the leg, without the shaper [s]."""
-
-
-
 
 
 def plain_profile() -> Float[np.ndarray, " points"]:
@@ -97,7 +116,7 @@ def law(unknowns: Unknowns, move_time: Float[Array, ""], within: Admissible) -> 
     )
 
 
-def command(law: Law, on: Grid) -> Command:
+def command(law: Law, *, on: Grid) -> Command:
     """What the drives' controllers are told, sample by sample.
 
     Args:
@@ -113,8 +132,10 @@ def command(law: Law, on: Grid) -> Command:
     parameter = jnp.clip(elapsed / law.leg_time, 0.0, 1.0)
     points = [point * jnp.ones_like(parameter) for point in jnp.unstack(law.profile)]
     for _ in range(len(points) - 1):
-        pairs = zip(points[:-1], points[1:], strict=True)
-        points = [(1 - parameter) * first + parameter * second for first, second in pairs]
+        points = [
+            (1 - parameter) * first + parameter * second
+            for first, second in itertools.pairwise(points)
+        ]
     controller = eqx.tree_at(
         lambda pd: pd.period, law.controller, jnp.full_like(law.controller.period, on.period)
     )
@@ -124,23 +145,21 @@ def command(law: Law, on: Grid) -> Command:
 def start(
     shaper: Shaper,
     *,
-    impulses: int,
     move_time: float,
     gains: tuple[float, float],
 ) -> Unknowns:
     """The unknowns of a shaped leg of section 6.2's form.
 
     Args:
-        shaper: A positive shaper, shorter than the move.
-        impulses: Impulses of the design, as many at the least; what is left over goes on
-            with the shaper's last impulse, in parts a little apart.
+        shaper: A positive shaper of `IMPULSES` at the most, shorter than the move; of fewer,
+            the last one is parted, its parts a little apart.
         move_time: Time of the move with the shaper [s].
         gains: Shares of what is admissible for crossover and phase margin [1].
 
     Returns:
         The unknowns.
     """
-    more = impulses - shaper.times.size
+    more = IMPULSES - shaper.times.size
     gaps = np.append(np.diff(np.asarray(shaper.times)), np.full(more, _APART))
     last = np.full(more + 1, float(shaper.amplitudes[-1]) / (more + 1))
     amplitudes = np.append(np.asarray(shaper.amplitudes)[:-1], last)
