@@ -1,4 +1,4 @@
-"""A co-design of a fitted robot, beside what it is compared with, and on what it hasn't seen."""
+"""A fitted robot's co-design, what stands beside it, and what it does where it hasn't been."""
 
 import dataclasses
 import re

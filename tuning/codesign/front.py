@@ -47,6 +47,7 @@ def front(
             within,
             move_time=time,
             longest=times[-1],
+            begin=designs[-1:],
             progress=_part(progress, f"{time:.3g} s", number, len(times)),
         )
         if not found.keeps_voltage(limit):

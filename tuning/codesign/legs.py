@@ -21,6 +21,8 @@ from scdpr_jax.side_by_side import side_by_side
 from tuning.codesign.models import Models, resting
 from tuning.objectives import tracking_error
 
+COUNTS = 26624.0
+"""Counts of the rigs' encoders for a turn of a driver pulley [1]."""
 HOLD = 1.0
 """Time after the move that is looked at [s]: some three periods of 3 Hz."""
 LANES = 96
@@ -57,6 +59,8 @@ class Grid(NamedTuple):
     """Intervals after it."""
     period: float
     """Sample period [s]."""
+    counts: float = COUNTS
+    """Counts of the encoders for a turn of a driver pulley [1]."""
 
     @property
     def time(self) -> Float[np.ndarray, " samples"]:
@@ -89,19 +93,19 @@ class Command(eqx.Module):
 class Found(eqx.Module):
     """What a leg comes to; the first axis is the leg."""
 
-    residuals: Float[Array, "... residuals"] = eqx.field(metadata=si("1"))
+    residuals: Float[Array | np.ndarray, "... residuals"] = eqx.field(metadata=si("1"))
     """What is wrong with it: their squares sum to its cost [1]."""
-    vibration: Float[Array, "..."] = eqx.field(metadata=si("m"))
+    vibration: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
     """Peak to peak of $x_e$ after the move [m]."""
-    resting_error: Float[Array, "..."] = eqx.field(metadata=si("m"))
+    resting_error: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
     """Distance of the mean of $x_e$ after the move from the target [m]."""
-    largest_error: Float[Array, "..."] = eqx.field(metadata=si("m"))
+    largest_error: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
     """Largest error against the commanded reference, Eq. (26) [m]."""
-    largest_voltage: Float[Array, "..."] = eqx.field(metadata=si("V"))
+    largest_voltage: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("V"))
     """Largest command [V]."""
 
     @property
-    def cost(self) -> Float[Array, "..."]:
+    def cost(self) -> Float[Array | np.ndarray, "..."]:
         """Sum of the squared residuals [1]."""
         return (self.residuals**2).sum(axis=-1)
 
@@ -163,13 +167,13 @@ def _sloped(
 
 def _leg(model: Models, command: Command, on: Grid) -> Found:
     way = model.end - model.start
-    commanded = model.start + command.share[:, None] * way
+    commanded = model.start[None] + command.share[:, None] * way[None]
     done = closed_loop(
         model.robot,
         resting(model),
         command.controller,
         reference=commanded,
-        encoder=Encoder(),
+        encoder=Encoder(on.counts),
     )
     place = done.states.position[:, jnp.asarray((0, 4))]
     limit = model.robot.drive.voltage_limit

@@ -19,15 +19,15 @@ _GOLDEN = (np.sqrt(5) - 1) / 2
 
 
 class Models(eqx.Module):
-    """Horizontal legs from rest to rest, one a row."""
+    """Horizontal legs from rest to rest, one a row; as NumPy arrays until they are run."""
 
     robot: Robot
     """The robots, stacked leaf by leaf."""
-    start: Float[Array, "... 2"] = eqx.field(metadata=si("m"))
+    start: Float[Array | np.ndarray, "... 2"] = eqx.field(metadata=si("m"))
     """Where the legs begin, $[x_e, y_e]$ [m]."""
-    end: Float[Array, "... 2"] = eqx.field(metadata=si("m"))
+    end: Float[Array | np.ndarray, "... 2"] = eqx.field(metadata=si("m"))
     """Where they end [m]."""
-    slope: Float[Array, "..."] = eqx.field(metadata=si("1", r"\\tan\\gamma"))
+    slope: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("1", r"\\tan\\gamma"))
     r"""Slope of the line between the carriages before the leg, within $\\pm\\mu$ [1]."""
 
     def __len__(self) -> int:

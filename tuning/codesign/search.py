@@ -38,7 +38,6 @@ _STARTS = 2
 """Starts that are descended from."""
 _STEPS, _LAST_STEPS = 12, 8
 """Steps of a descent on a few of the models, and on all."""
-_GOLDEN = (np.sqrt(5) - 1) / 2
 _WISH = (60.0, np.deg2rad(60.0))
 """Crossover and phase margin of a bare drive that a search starts with, or what comes nearest
 to them within the bounds [rad/s, rad]; Eq. (25) has 40 rad/s."""
@@ -64,6 +63,8 @@ class Designed(NamedTuple):
     """Time from the reference's begin to its end, the shaper included [s]."""
     found: Found
     """What every model comes to under it, at the controllers' own rate."""
+    point: Float[np.ndarray, " n"] | None = None
+    """Its flat unknowns, where a descent ended in it."""
 
     @property
     def cost(self) -> float:
@@ -93,6 +94,7 @@ def co_design(
     *,
     move_time: float,
     longest: float | None = None,
+    begin: Sequence[Designed] = (),
     progress: Progress = lambda doing, share: None,
 ) -> Designed:
     """The design that is best for the worst of many models.
@@ -103,6 +105,7 @@ def co_design(
         move_time: Time from the reference's begin to its end, the shaper included [s].
         longest: Longest move that will be asked for [s]: one compilation then serves all;
             None for this one.
+        begin: Designs of other move times to start from beside the catalogue's.
         progress: Told what is being done and which share of it is done.
 
     Returns:
@@ -112,8 +115,14 @@ def co_design(
     on = grid(longest or move_time, COARSE)
     few = models.rows(scattered(len(models), _FEW))
     progress("co-design: shapers of the catalogue", 0.0)
-    starts = _ranked(few, on, _starts(models, within, move_time))
     objective = Objective(within, jnp.asarray(move_time), on)
+    known = [one.point for one in begin if one.point is not None]
+    starts = _ranked(
+        few,
+        on,
+        [_Start(objective.law(jnp.asarray(point)), point) for point in known]
+        + _starts(models, within, move_time),
+    )
     ended = []
     for number, (_, point) in enumerate(starts[:_STARTS]):
         told = _within(progress, "co-design: a few models", 0.1 + 0.2 * number, 0.2)
@@ -135,8 +144,11 @@ def co_design(
         progress=_within(progress, "co-design: all models", 0.5, 0.4),
     )
     progress("co-design: at the controllers' rate", 0.9)
-    laws = [objective.law(jnp.asarray(last.point)), starts[0].law]
-    return best_of([evaluate(models, each, longest=longest) for each in laws], models)
+    ends = (_Start(objective.law(jnp.asarray(last.point)), last.point), starts[0])
+    designs = [
+        evaluate(models, one.law, longest=longest)._replace(point=one.point) for one in ends
+    ]
+    return best_of(designs, models)
 
 
 def best_of(designs: Sequence[Designed], models: Models) -> Designed:
@@ -256,9 +268,8 @@ def scattered(count: int, most: int) -> np.ndarray:
     Returns:
         Their numbers, ascending.
     """
-    if count <= most:
-        return np.arange(count)
-    return np.unique((count * np.mod(_GOLDEN * np.arange(most), 1.0)).astype(int))
+    # In random order, as a stride could miss poses that come again with it.
+    return np.sort(np.random.default_rng(0).permutation(count)[:most])
 
 
 class Objective(NamedTuple):

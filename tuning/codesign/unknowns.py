@@ -127,7 +127,7 @@ def command(law: Law, *, on: Grid) -> Command:
         The command.
     """
     begin = -(law.leg_time + law.shaper.duration)
-    elapsed = (on.time - begin)[:, None] - law.shaper.times
+    elapsed = (on.time - begin)[:, None] - law.shaper.times[None]
     # At both ends the curve is flat, so that cutting it there leaves no kink.
     parameter = jnp.clip(elapsed / law.leg_time, 0.0, 1.0)
     points = [point * jnp.ones_like(parameter) for point in jnp.unstack(law.profile)]
