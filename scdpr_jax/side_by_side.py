@@ -23,7 +23,8 @@ def side_by_side(
     """A compiled function of any number of lanes.
 
     Computations that one thread asks for run one after the other, those of several threads
-    at the same time.
+    at the same time. Functions that solve or decompose with LAPACK don't belong here: their
+    kernels wait for the pool of threads that several of them fill.
 
     Args:
         function: What to compute of `size` lanes at once.
