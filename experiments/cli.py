@@ -10,6 +10,7 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("identify-drive", "one motor-driven axis: inertia, friction, offset from a log"),
     ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
     ("tune", "gains and input shapers from parameters and frequencies: tuning.json, export/"),
+    ("codesign", "gains, shaper and leg together, for every pose, setting and what is unknown"),
     ("shape", "the input shaper for a measured spectrum: shaper.json"),
     ("plan", "references and feed-forward of one leg that arrives without vibration"),
     ("simulate", "one manoeuvre of a fitted robot"),

@@ -209,7 +209,15 @@ class _Parameter(pydantic.BaseModel):
     setting: str | None
     value: pydantic.FiniteFloat
     unit: str
+    sigma: pydantic.FiniteFloat | None = None
     status: Literal["identified", "weak", "unidentifiable", "at_bound", "fixed"]
+
+
+class _Correlation(pydantic.BaseModel):
+    """How the fitted parameters' errors hang together."""
+
+    names: list[str]
+    matrix: list[list[pydantic.FiniteFloat]]
 
 
 class FittedRobot(pydantic.BaseModel):
@@ -217,6 +225,7 @@ class FittedRobot(pydantic.BaseModel):
 
     format: Literal[1]
     parameters: list[_Parameter]
+    correlation: _Correlation | None = None
 
     @property
     def robot(self) -> Robot:

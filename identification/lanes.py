@@ -1,21 +1,15 @@
-"""Many simulations with one compiled function, in chunks side by side on every core."""
+"""Many simulations of runs with one compiled function, side by side on every core."""
 
-import concurrent.futures
-import functools
-import os
-from collections.abc import Callable, Hashable, Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int, PyTree
+from jaxtyping import Array, Float, Int
 
 from identification.record import Record
 from scdpr_jax.parameters import Robot
-
-CORES = os.cpu_count() or 1
-"""Chunks that are computed at the same time."""
+from scdpr_jax.side_by_side import kind_of, side_by_side
 
 Result = TypeVar("Result")
 Function = Callable[
@@ -37,9 +31,6 @@ def in_lanes(
 ) -> Result:
     """A compiled function of any number of simulations.
 
-    Computations that one thread asks for run one after the other, those of several threads
-    at the same time.
-
     Args:
         function: What to compute of `size` simulations.
         robot: The robot with its fixed quantities.
@@ -53,36 +44,15 @@ def in_lanes(
     Returns:
         The results, stacked as the vectors are, as NumPy arrays.
     """
-    count = len(run)
-    rows = np.minimum(np.arange(-(-count // size) * size), count - 1).reshape(-1, size)
-    numbers = np.asarray(run)
 
-    def chunk(own: Int[np.ndarray, " lanes"]) -> PyTree[np.ndarray]:
-        given = jnp.asarray(vectors[own]), jnp.asarray(numbers[own])
-        return jax.tree.map(np.asarray, function(robot, free, *given, records))
+    def chunk(
+        own: tuple[Float[np.ndarray, "lanes n"], Int[np.ndarray, " lanes"]],
+    ) -> Result:
+        return function(robot, free, *map(jnp.asarray, own), records)
 
-    found = []
-    kind = (function, size, _kind((robot, free, records)))
-    if kind not in _compiled:
-        # Threads that find nothing compiled would all compile it.
-        found, rows = [chunk(rows[0])], rows[1:]
-        _compiled.add(kind)
-    found += _threads().map(chunk, rows)
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves)[:count], *found)
-
-
-_compiled: set[Hashable] = set()
-
-
-def _kind(given: PyTree[Any]) -> Hashable:
-    """What a compilation depends on: the structure, shapes and types, and what is no array."""
-    leaves, structure = jax.tree.flatten(given)
-    return structure, tuple(
-        (np.shape(leaf), np.dtype(leaf.dtype)) if hasattr(leaf, "dtype") else leaf
-        for leaf in leaves
+    return side_by_side(
+        chunk,
+        (np.asarray(vectors), np.asarray(run)),
+        size=size,
+        program=(function, kind_of((robot, free, records))),
     )
-
-
-@functools.cache
-def _threads() -> concurrent.futures.ThreadPoolExecutor:
-    return concurrent.futures.ThreadPoolExecutor(CORES, "lanes")

@@ -13,7 +13,7 @@ from jaxtyping import Float
 from identification.accumulate import MotorRecord, RunSums, assemble, motor_sums, run_sums
 from identification.campaign.types import Campaign, Run
 from identification.comparison import Predicted, predictions
-from identification.lanes import CORES, in_lanes
+from identification.lanes import in_lanes
 from identification.levenberg_marquardt import (
     Minimum,
     Normal,
@@ -24,6 +24,7 @@ from identification.record import Record, coarse, motor_record, stacked, windowe
 from identification.start import Clock, clocks
 from identification.unknowns import Unknowns, layout, start_values
 from scdpr_jax.parameters import Robot, value
+from scdpr_jax.side_by_side import CORES
 
 COARSE_STEP = 1e-2
 """Step that Jacobians are made at [s]: a tenth of the fastest vibration, where the engine's

@@ -1,0 +1,13 @@
+"""Gains, impulses and the leg's shape designed together, for the worst of many models."""
+
+from tuning.codesign.admissible import Admissible as Admissible
+from tuning.codesign.admissible import admissible as admissible
+from tuning.codesign.front import front as front
+from tuning.codesign.front import knee as knee
+from tuning.codesign.front import usual_move_times as usual_move_times
+from tuning.codesign.models import Models as Models
+from tuning.codesign.models import models as models
+from tuning.codesign.search import Designed as Designed
+from tuning.codesign.search import co_design as co_design
+from tuning.codesign.search import evaluate as evaluate
+from tuning.codesign.search import references as references
