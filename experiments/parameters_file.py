@@ -202,21 +202,39 @@ def _axis(estimate: DriveAxisEstimate) -> dict[str, Any]:
     }
 
 
-class _Parameter(pydantic.BaseModel):
+class Parameter(pydantic.BaseModel):
     """A row of `parameters.json`, as far as a robot is built from it."""
 
     name: str
     setting: str | None
     value: pydantic.FiniteFloat
     unit: str
+    sigma: pydantic.FiniteFloat | None = None
     status: Literal["identified", "weak", "unidentifiable", "at_bound", "fixed"]
+
+
+class _Correlation(pydantic.BaseModel):
+    """Correlation of what was estimated, in the order of the table."""
+
+    matrix: list[list[pydantic.FiniteFloat]]
+
+
+class Residual(pydantic.BaseModel):
+    """What a fit leaves of a channel of a run."""
+
+    channel: str
+    rms: pydantic.FiniteFloat
+    noise_sigma: pydantic.FiniteFloat
+    is_noise: bool
 
 
 class FittedRobot(pydantic.BaseModel):
     """A robot from `parameters.json`."""
 
     format: Literal[1]
-    parameters: list[_Parameter]
+    parameters: list[Parameter]
+    correlation: _Correlation | None = None
+    residuals: list[Residual] = []
 
     @property
     def robot(self) -> Robot:
