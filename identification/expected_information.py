@@ -143,9 +143,14 @@ def expected(rig: Rig, run: PlannedRun, truth: Float[Array, " n"]) -> Expected:
     Returns:
         Covariance and excursion.
     """
-    size = rig.point.size + 4
-    first = expected_over(rig, run, truth, jnp.eye(size, dtype=truth.dtype))
-    return expected_over(rig, run, truth, jnp.linalg.cholesky(first.units))
+    begun = jnp.eye(rig.point.size + 4, dtype=truth.dtype)
+
+    def again(units: Float[Array, "m m"], _: None) -> tuple[Array, Array]:
+        return expected_over(rig, run, truth, jnp.linalg.cholesky(units))
+
+    # A loop of two, so that one simulation is compiled.
+    units, beyond = jax.lax.scan(again, begun, length=2)
+    return Expected(units, beyond[-1])
 
 
 def expected_over(
