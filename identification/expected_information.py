@@ -14,11 +14,10 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
-from identification.accumulate import run_residuals
 from identification.campaign.types import Sensors
 from identification.excitation import KNOCK_TIME, REST, STEP
 from identification.record import Record
-from identification.residuals import Circumstances, predict
+from identification.residuals import Circumstances, encoder_residuals, predict
 from identification.unknowns import apply
 from scdpr_jax.dynamics import State
 from scdpr_jax.fields import real, si
@@ -167,51 +166,28 @@ def expected_over(
     Returns:
         Covariance and excursion.
     """
-    seen = _seen(rig, run, truth)
-    secants = _secants(rig, run, truth, record=seen.record, over=over)
-    whole = over @ jnp.linalg.inv(over.T @ over + secants @ secants.T) @ over.T
-    return Expected((whole + whole.T) / 2, seen.beyond)
-
-
-def _secants(
-    rig: Rig,
-    run: PlannedRun,
-    truth: Float[Array, " n"],
-    *,
-    record: Record,
-    over: Float[Array, "m m"],
-) -> Float[Array, "m rows"]:
-    count = truth.size
+    record, count = _record(rig, run), truth.size
     own = jnp.concatenate([run.start[:1], run.start, run.knock[None]])
     known = jnp.append(1 / record.known_weight[:3], KNOCK_SPREAD * run.knock)
 
-    def measured(unit: Float[Array, " m"]) -> Float[Array, " rows"]:
+    def moved(unit: Float[Array, " m"]) -> tuple[State, Array, Array]:
         quantities = rig.bounded(truth + rig.root @ unit[:count])
-        unknown = jnp.concatenate([quantities, own + known * unit[count:], jnp.zeros(1)])
-        found = run_residuals(rig.robot, rig.names, unknown, record)
-        return jnp.concatenate([found.angle.ravel(), found.frame.ravel()])
+        circumstances = Circumstances(*(own + known * unit[count:]), jnp.zeros(()))
+        return predict(apply(rig.robot, rig.names, quantities), circumstances, record)
 
-    both = jax.vmap(measured)(jnp.concatenate([over.T, -over.T]))
-    return (both[: len(over)] - both[len(over) :]) / 2
+    centre = jnp.zeros_like(over[:1])
+    states, angle, frame = jax.vmap(moved)(jnp.concatenate([centre, over.T, -over.T]))
+    weight = jax.lax.stop_gradient(_encoder_weight(rig, angle[0], record))
 
+    def secants(of: Float[Array, "points rows n"]) -> Float[Array, "m rows n"]:
+        return (of[1 : len(over) + 1] - of[len(over) + 1 :]) / 2
 
-class _Seen(NamedTuple):
-    """A robot's run: how far it leaves its limits, and what would be measured of it."""
-
-    beyond: Float[Array, ""]
-    record: Record
-
-
-def _seen(rig: Rig, run: PlannedRun, truth: Float[Array, " n"]) -> _Seen:
-    robot, record = apply(rig.robot, rig.names, truth), _record(rig, run)
-    x, y = run.start
-    own = Circumstances(x, x, y, run.knock, jnp.zeros(()))
-    states, angle, _ = predict(robot, own, record)
-    weight = jax.lax.stop_gradient(_encoder_weight(rig, angle, record))
-    return _Seen(
-        _beyond(rig, states, record),
-        eqx.tree_at(lambda r: r.angle_weight, record, weight),
-    )
+    turned = jax.vmap(lambda own: encoder_residuals(own, weight))(secants(angle))
+    seen = record.frame_weight[None] * secants(frame)
+    rows = jnp.concatenate([part.reshape(len(over), -1) for part in (turned, seen)], axis=1)
+    whole = over @ jnp.linalg.inv(over.T @ over + rows @ rows.T) @ over.T
+    at_truth = jax.tree.map(lambda leaf: leaf[0], states)
+    return Expected((whole + whole.T) / 2, _beyond(rig, at_truth, record))
 
 
 def _record(rig: Rig, run: PlannedRun) -> Record:

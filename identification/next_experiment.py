@@ -27,9 +27,9 @@ from identification.expected_information import (
 from identification.lanes import CORES
 from scdpr_jax.parameters import value
 
-DRAWS, JUDGES, SEARCHED = 4, 32, 4
-"""Robots drawn to compare the catalogue with, to judge what is left, and for each step of the
-search."""
+DRAWS, JUDGES = 4, 32
+"""Robots drawn to compare the catalogue with and for each step of the search, and to judge what
+is left."""
 
 LANES = 8
 """Excitations that are simulated side by side."""
@@ -137,11 +137,13 @@ def propose(
         ValueError: If no excitation of the catalogue keeps within frame and speed.
     """
     comparing, searching, judging = jax.random.split(key, 3)
+    intervals = max(one.voltage.shape[0] for one in excitations)
     found = judged(
         rig,
         excitations,
         criterion,
         truths=rig.draws(comparing, DRAWS),
+        intervals=intervals,
         progress=lambda share: progress("the catalogue", share / 2),
     )
     best: dict[str, Candidate] = {}
@@ -162,9 +164,12 @@ def propose(
             criterion,
             key=searching,
             iterations=iterations,
+            intervals=intervals,
             progress=lambda share: progress("improved by gradient", 0.5 + 0.4 * share),
         )
-    final = judged(rig, chosen, criterion, truths=rig.draws(judging, JUDGES))
+    progress("judged anew", 0.9)
+    truths = rig.draws(judging, JUDGES)
+    final = judged(rig, chosen, criterion, truths=truths, intervals=intervals)
     return tuple(sorted(final, key=lambda one: -one.rate))
 
 
@@ -174,6 +179,7 @@ def judged(
     criterion: Criterion,
     *,
     truths: Float[Array, "draws n"],
+    intervals: int,
     progress: Callable[[float], None] = lambda share: None,
 ) -> list[Candidate]:
     """What excitations are worth, without those that break a limit.
@@ -183,19 +189,42 @@ def judged(
         excitations: The excitations.
         criterion: What is minimised.
         truths: Robots that may be the true one, as a fit holds their quantities.
+        intervals: What runs are padded to.
         progress: Told which share is done.
 
     Returns:
         A candidate for each that keeps within frame and speed for every one of them.
     """
     before = float(criterion(rig.root @ rig.root.T))
-    intervals = max(one.voltage.shape[0] for one in excitations)
-    chunks = [excitations[at : at + LANES] for at in range(0, len(excitations), LANES)]
+    told = _told(rig, excitations, truths, intervals, progress)
+    found = []
+    for one, units, beyond in zip(excitations, *told, strict=True):
+        if not np.any(beyond > 0.0):
+            covariance = rig.covariance(jnp.asarray(units))
+            sigma = np.sqrt(np.diag(np.asarray(covariance)))
+            found.append(Candidate(one, sigma, before - float(criterion(covariance))))
+    return found
 
-    def tell(chunk: Sequence[Excitation]) -> Expected:
+
+def _told(
+    rig: Rig,
+    excitations: Sequence[Excitation],
+    truths: Float[Array, "draws n"],
+    intervals: int,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Expected:
+    """What excitations tell on average over the truths, and how far they go beyond limits."""
+    chunks = [
+        (excitations[first : first + LANES], truths[drawn : drawn + DRAWS])
+        for first in range(0, len(excitations), LANES)
+        for drawn in range(0, len(truths), DRAWS)
+    ]
+
+    def tell(chunk: tuple[Sequence[Excitation], Float[Array, "draws n"]]) -> Expected:
         # Chunks of one size: one compilation.
-        runs = stacked([*chunk, *chunk[:1] * (LANES - len(chunk))], intervals)
-        return jax.tree.map(np.asarray, _over_all(rig, runs, truths))
+        filled = [*chunk[0], *chunk[0][:1] * (LANES - len(chunk[0]))]
+        found = _over_all(rig, stacked(filled, intervals), chunk[1])
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[: len(chunk[0])], found)
 
     def all_told() -> Iterator[Expected]:
         # Threads that find nothing compiled would all compile it.
@@ -203,26 +232,25 @@ def judged(
         with concurrent.futures.ThreadPoolExecutor(CORES) as threads:
             yield from threads.map(tell, chunks[1:])
 
-    found = []
-    for number, (chunk, told) in enumerate(zip(chunks, all_told(), strict=True)):
-        progress((number + 1) / len(chunks))
-        for one, units, beyond in zip(chunk, *told, strict=False):
-            if not np.any(beyond > 0.0):
-                mean = rig.covariance(jnp.asarray(np.mean(units, axis=0)))
-                found.append(
-                    Candidate(
-                        one,
-                        np.sqrt(np.diag(np.asarray(mean))),
-                        before - float(criterion(mean)),
-                    )
-                )
-    return found
+    parts: list[Expected] = []
+    for one in all_told():
+        parts.append(one)
+        progress(len(parts) / len(chunks))
+    every = len(truths) // DRAWS
+    rows = [parts[first : first + every] for first in range(0, len(parts), every)]
+    return Expected(
+        np.concatenate([np.mean([part.units for part in row], axis=0) for row in rows]),
+        np.concatenate([np.max([part.beyond for part in row], axis=0) for row in rows]),
+    )
 
 
 @eqx.filter_jit
 def _over_all(rig: Rig, runs: PlannedRun, truths: Float[Array, "draws n"]) -> Expected:
-    each = jax.vmap(expected, in_axes=(None, None, 0))
-    return jax.vmap(each, in_axes=(None, 0, None))(rig, runs, truths)
+    def one(run: PlannedRun) -> Expected:
+        found = jax.vmap(expected, in_axes=(None, None, 0))(rig, run, truths)
+        return Expected(jnp.mean(found.units, axis=0), jnp.max(found.beyond))
+
+    return jax.vmap(one)(runs)
 
 
 def stacked(excitations: Sequence[Excitation], intervals: int) -> PlannedRun:
@@ -254,6 +282,7 @@ def improved(
     *,
     key: PRNGKeyArray,
     iterations: int,
+    intervals: int,
     progress: Callable[[float], None] = lambda share: None,
 ) -> list[Excitation]:
     """What Adam's steps make of some excitations, on other robots at every step.
@@ -264,13 +293,16 @@ def improved(
         criterion: What is minimised.
         key: Of the robots that are drawn.
         iterations: How many steps.
+        intervals: What runs are padded to.
         progress: Told which share is done.
 
     Returns:
         The best of each start on the way, as far as the search could tell.
     """
-    runs = stacked(starts, max(one.voltage.shape[0] for one in starts))
-    over = _roots(rig, runs, rig.draws(key, SEARCHED))
+    runs = stacked(starts, intervals)
+    # The secants go over what the starts leave uncertain.
+    left = _told(rig, starts, rig.draws(key, DRAWS), intervals).units
+    over = jnp.asarray(np.linalg.cholesky(left))
     limit = float(value(rig.robot, "voltage_limit"))
     base = jnp.arctanh(0.98 * jnp.clip(runs.voltage / limit, -1.0, 1.0))
     spread = jnp.stack([jnp.asarray(_hats(int(n), base.shape[1])) for n in runs.length])
@@ -280,7 +312,7 @@ def improved(
     least, best = np.full(len(starts), np.inf), list(starts)
     for number in range(iterations):
         progress(number / iterations)
-        truths = rig.draws(jax.random.fold_in(key, number), SEARCHED)
+        truths = rig.draws(jax.random.fold_in(key, number), DRAWS)
         given = (runs, base, spread, over)
         slope, cost, voltage = _sloped(rig, criterion, knots, given, truths)
         for lane, one in enumerate(starts):
@@ -293,19 +325,6 @@ def improved(
             change, state = optimiser.update(slope, state)
         knots = optax.apply_updates(knots, change)
     return best
-
-
-@eqx.filter_jit
-def _roots(
-    rig: Rig, runs: PlannedRun, truths: Float[Array, "draws n"]
-) -> Float[Array, "lanes m m"]:
-    """Over which distances the search's secants go: what its starts leave uncertain."""
-
-    def one(run: PlannedRun) -> Float[Array, "m m"]:
-        found = jax.vmap(expected, in_axes=(None, None, 0))(rig, run, truths)
-        return jnp.linalg.cholesky(jnp.mean(found.units, axis=0))
-
-    return jax.vmap(one)(runs)
 
 
 @eqx.filter_jit

