@@ -144,13 +144,13 @@ def shown_width(rig: Rig, index: int, sigma: float) -> str:
         sigma: Its standard error as a fit holds it.
 
     Returns:
-        "± 1.2 %", or in the quantity's unit where it may be zero.
+        "± 1.2 %", or in the quantity's unit where it is zero.
     """
-    half, name = half_width(float(sigma), 0.95, math.inf), rig.names[index]
-    if quantity(name).positive:
-        return f"± {percent(half)}"
-    unit = quantity(name).unit
-    return f"± {half:.2g}{'' if unit == '1' else ' ' + unit}"
+    half, known = half_width(float(sigma), 0.95, math.inf), quantity(rig.names[index])
+    held = abs(float(rig.point[index]))
+    if known.positive or held > 0:
+        return f"± {percent(half if known.positive else half / held)}"
+    return f"± {half:.2g}{'' if known.unit == '1' else ' ' + known.unit}"
 
 
 class _Moved(NamedTuple):
