@@ -96,43 +96,37 @@ def candidate_table(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Tabl
     Returns:
         A row for each.
     """
-    single = aim.index is not None
+    title, at = f"What the next run would tell: {aim.title}", aim.index
+    if at is not None:
+        title += f", 95 % interval now {shown_width(rig, at, _now(rig)[at])}"
     rows = []
     for one in candidates:
         run, moved = one.excitation, _moved(rig, one)
-        widths = ()
-        if single:
-            widths = tuple(
-                shown_width(rig, aim.index, sigma[aim.index])
-                for sigma in (_now(rig), one.sigma)
-            )
         rows.append(
             (
                 run.name,
                 f"{run.start[0]:.2f}, {run.start[1]:.2f}",
                 f"{run.duration:.2f}",
-                *widths,
+                *(() if at is None else (shown_width(rig, at, one.sigma[at]),)),
                 plain(math.exp(one.gain), 3),
                 plain(one.rate, 3),
                 f"{np.max(np.abs(run.voltage)):.1f}" if run.knock == 0 else "knock",
-                f"{moved.low[0]:.2f} to {moved.high[0]:.2f}",
-                f"{moved.low[1]:.2f} to {moved.high[1]:.2f}",
+                f"{moved.low[0]:.2f}–{moved.high[0]:.2f}, {moved.low[1]:.2f}–{moved.high[1]:.2f}",
                 f"{moved.speed:.2f}",
             )
         )
     header = (
         "run",
         "start x, y [m]",
-        "rig time [s]",
-        *(("95 % interval now", "with it") if single else ()),
-        "narrower by a factor",
-        "its logarithm a second [1/s]",
+        "time [s]",
+        *(() if at is None else ("with it",)),
+        "narrower by",
+        "log a second [1/s]",
         "most [V]",
-        "x [m]",
-        "y [m]",
+        "reach x, y [m]",
         "speed [m/s]",
     )
-    return Table(f"What the next run would tell: {aim.title}", header, tuple(rows))
+    return Table(title, header, tuple(rows))
 
 
 def shown_width(rig: Rig, index: int, sigma: float) -> str:
@@ -208,8 +202,8 @@ def chosen_sentence(candidates: Sequence[Candidate]) -> str:
     if not best.excitation.designed:
         return "The search by gradient found nothing better than the catalogue has."
     return (
-        f"The search by gradient makes {plain(best.rate / ready.rate, 3)} times as much of a "
-        "second as the best of the catalogue, for robots that it hadn't searched with."
+        f"A second of the improved run narrows {plain(best.rate / ready.rate, 3)} times as much "
+        "(in logarithms) as one of the catalogue's best, for robots not searched with."
     )
 
 

@@ -47,7 +47,7 @@ def next_run_figure(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Figu
     for drive, colour in enumerate((BLUE, VERMILION)):
         held = np.append(run.voltage[:, drive], 0.0)
         volts.step(time, held, where="post", color=colour, label=f"drive {drive + 1}")
-    _limits(volts, (-limit, limit))
+    _limits(volts, (-limit, limit), "limit")
     volts.set_ylabel(label("voltage", "V"))
     volts.set_title(run.name)
     legend_above(volts)
@@ -55,7 +55,7 @@ def next_run_figure(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Figu
     place, frame = np.asarray(states.position), rig.robot.frame
     path.plot(time, place[:, 0], color=BLUE, label="x")
     path.plot(time, place[:, 4], color=ORANGE, label="y")
-    _limits(path, (MARGIN, float(frame.width) - MARGIN))
+    _limits(path, (MARGIN, float(frame.width) - MARGIN), "limit of x")
     path.set_ylabel(label("end-effector", "m"))
     path.set_xlabel(label("time", "s"))
     legend_above(path)
@@ -78,12 +78,12 @@ def _worth(axes: Axes, aim: Aim, candidates: Sequence[Candidate]) -> None:
         )
     axes.set_yticks(places, [one.excitation.name for one in candidates])
     axes.set_ylim(len(candidates) - 0.4, -0.6)
-    axes.set_xlim(0, 1.35 * max(*rates, 1e-6))
+    axes.set_xlim(0, 1.5 * max(*rates, 1e-6))
     axes.grid(False, axis="y")
     axes.set_title(f"Interval of {aim.title}")
     axes.set_xlabel(label("logarithm of its narrowing, a second", "1/s"))
 
 
-def _limits(axes: Axes, limits: tuple[float, float]) -> None:
-    for limit in limits:
-        axes.axhline(limit, color=GREY, ls="--", lw=0.9)
+def _limits(axes: Axes, limits: tuple[float, float], name: str) -> None:
+    for limit, told in zip(limits, (name, None), strict=True):
+        axes.axhline(limit, color=GREY, ls="--", lw=0.9, label=told)
