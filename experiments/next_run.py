@@ -102,6 +102,7 @@ def candidate_table(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Tabl
     rows = []
     for one in candidates:
         run, moved = one.excitation, _moved(rig, one)
+        reach = (f"{a:.2f}–{b:.2f}" for a, b in zip(moved.low, moved.high, strict=True))
         rows.append(
             (
                 run.name,
@@ -111,7 +112,7 @@ def candidate_table(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Tabl
                 plain(math.exp(one.gain), 3),
                 plain(one.rate, 3),
                 f"{np.max(np.abs(run.voltage)):.1f}" if run.knock == 0 else "knock",
-                f"{moved.low[0]:.2f}–{moved.high[0]:.2f}, {moved.low[1]:.2f}–{moved.high[1]:.2f}",
+                ", ".join(reach),
                 f"{moved.speed:.2f}",
             )
         )
@@ -202,8 +203,8 @@ def chosen_sentence(candidates: Sequence[Candidate]) -> str:
     if not best.excitation.designed:
         return "The search by gradient found nothing better than the catalogue has."
     return (
-        f"A second of the improved run narrows {plain(best.rate / ready.rate, 3)} times as much "
-        "(in logarithms) as one of the catalogue's best, for robots not searched with."
+        f"A second of the improved run narrows {plain(best.rate / ready.rate, 3)} times as "
+        "much (in logarithms) as one of the catalogue's best, for robots not searched with."
     )
 
 
