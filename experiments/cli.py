@@ -7,6 +7,7 @@ VERBS: tuple[tuple[str, str], ...] = (
     ("calibrate", "the main job: check, identify, frequencies, tune, report"),
     ("check", "the log doctor: every fault with file, row, cause and remedy"),
     ("identify", "the robot's parameters with their uncertainty: parameters.json"),
+    ("design", "which experiment next: the run that narrows an interval the most a second"),
     ("identify-drive", "one motor-driven axis: inertia, friction, offset from a log"),
     ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
     ("tune", "gains and input shapers from parameters and frequencies: tuning.json, export/"),

@@ -202,7 +202,7 @@ def _axis(estimate: DriveAxisEstimate) -> dict[str, Any]:
     }
 
 
-class _Parameter(pydantic.BaseModel):
+class Parameter(pydantic.BaseModel):
     """A row of `parameters.json`, as far as a robot is built from it."""
 
     name: str
@@ -220,12 +220,22 @@ class _Correlation(pydantic.BaseModel):
     matrix: list[list[pydantic.FiniteFloat]]
 
 
+class Residual(pydantic.BaseModel):
+    """What a fit leaves of a channel of a run."""
+
+    channel: str
+    rms: pydantic.FiniteFloat
+    noise_sigma: pydantic.FiniteFloat
+    is_noise: bool
+
+
 class FittedRobot(pydantic.BaseModel):
     """A robot from `parameters.json`."""
 
     format: Literal[1]
-    parameters: list[_Parameter]
+    parameters: list[Parameter]
     correlation: _Correlation | None = None
+    residuals: list[Residual] = []
 
     @property
     def robot(self) -> Robot:

@@ -95,7 +95,7 @@ def campaign(truth: Truth, seed: int) -> Campaign:
         on = ((time >= 0.1) & (time < 0.6))[:, None]
         pushed = np.where((time[:-1] > 0.299) & (time[:-1] < 0.329), force, 0.0)
         stamps = random.uniform(2e-3, 30e-3) + np.arange(int(time[-1] * 30)) / 30
-        angle, frame = _simulated(
+        angle, frame = simulated(
             truth.robot,
             jnp.array([lower, upper, height]),
             jnp.asarray(on[:-1] * np.array(volts)),
@@ -146,23 +146,39 @@ def _rounded(angle: Array | np.ndarray, count: float) -> Float[np.ndarray, "rows
 
 
 @eqx.filter_jit
-def _simulated(
+def simulated(
     robot: Robot,
     start: Float[Array, "3"],
     voltage: Float[Array, "intervals 2"],
     knock: Float[Array, " intervals"],
     stamps: Float[Array, " frames"],
+    *,
+    period: float = PERIOD,
+    substeps: int = SUBSTEPS,
 ) -> tuple[Float[Array, "rows 2"], Float[Array, "frames 5"]]:
-    """Angles at the log's rows and positions at the camera's stamps."""
+    """What encoders and camera would see of a run without noise.
+
+    Args:
+        robot: The robot.
+        start: Lower carriage, upper carriage and height at rest [m].
+        voltage: Commands through each sample period [V].
+        knock: Force on the end-effector through each sample period [N].
+        stamps: The camera's, on the drives' clock [s].
+        period: Sample period of the log [s].
+        substeps: Steps of the rig in it.
+
+    Returns:
+        Angles at the log's rows [rad] and positions at the camera's stamps [m, rad].
+    """
     begun = rest(robot, *start)
-    step = PERIOD / SUBSTEPS
+    step = period / substeps
     fine = Inputs(
-        jnp.full(voltage.shape[0] * SUBSTEPS, step),
-        jnp.repeat(voltage, SUBSTEPS, axis=0),
-        jnp.repeat(knock, SUBSTEPS),
+        jnp.full(voltage.shape[0] * substeps, step),
+        jnp.repeat(voltage, substeps, axis=0),
+        jnp.repeat(knock, substeps),
     )
     states = simulate(robot, begun, fine)
-    rows = jax.tree.map(lambda leaf: leaf[::SUBSTEPS], states)
+    rows = jax.tree.map(lambda leaf: leaf[::substeps], states)
     angle = jax.vmap(lambda state: pulley_angles(robot, state, begun))(rows)
     interval = (stamps / step).astype(int)
     frame = interpolate(
