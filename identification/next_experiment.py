@@ -24,8 +24,8 @@ from identification.expected_information import (
     expected,
     expected_over,
 )
-from identification.lanes import CORES
 from scdpr_jax.parameters import value
+from scdpr_jax.side_by_side import CORES
 
 DRAWS, JUDGES = 4, 32
 """Robots drawn to compare the catalogue with and for each step of the search, and to judge what
