@@ -19,6 +19,7 @@ from experiments.parameters_file import FittedRobot, Residual, read_parameters
 from identification.excitation import Excitation
 from identification.next_experiment import Candidate
 
+NAMES = ["friction_coefficient", "drive_inertia", "effective_pretension 350 N"]
 CORRELATION = [[1.0, 0.1, -0.9], [0.1, 1.0, 0.2], [-0.9, 0.2, 1.0]]
 QUIET = (
     Residual(channel="alpha_1", rms=9e-5, noise_sigma=1e-4, is_noise=True),
@@ -48,7 +49,7 @@ def document(rows=ROWS):
     return {
         "format": 1,
         "parameters": list(rows),
-        "correlation": {"matrix": CORRELATION},
+        "correlation": {"names": NAMES, "matrix": CORRELATION},
         "residuals": [one.model_dump() for one in QUIET],
     }
 
