@@ -5,7 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
+from experiments.number_text import plain
 from experiments.style import (
     BLUE,
     GREEN,
@@ -61,9 +63,13 @@ def pareto(
     for axes in (left, right):
         axes.set_axisbelow(True)
     left.set_yscale("log")
+    right.set_xscale("log")
+    for axis in (left.yaxis, right.xaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(lambda value, _: plain(value, 1))
+        axis.set_minor_locator(NullLocator())
     left.set_xlabel(label("move time with the shaper", "s"))
     left.set_ylabel(label("vibration after the move, peak to peak", "mm"))
-    right.set_xscale("log")
     right.set_xlabel(label("vibration of a model not seen before", "mm"))
     right.set_ylabel(label("models that vibrate less", "%"))
     right.set_ylim(0, 101)
