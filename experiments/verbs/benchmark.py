@@ -41,6 +41,7 @@ def benchmark(
             f"{repeats} and {largest_batch}. Leave them out for 5 and 4096."
         )
     set_up()
+    import jax
     from rich.table import Table
 
     from experiments.benchmarks import report
@@ -57,9 +58,13 @@ def benchmark(
             for line in measure(settings):
                 lines.append(line)
                 progress(f"{name}: {line.contender}, {line.batch:,}", done / len(chosen))
+            # What is measured isn't lost with what comes after it.
+            written = report.write(out, lines, on, settings)
+            # Every program keeps some hundred maps of memory, and a process has 65,530.
+            jax.clear_caches()
     table = Table(*report.HEADER, box=None)
     for line in lines:
         table.add_row(*report.cells(line))
     OUT.print(table)
-    wrote(*report.write(out, lines, on, settings))
+    wrote(*written)
     return DONE
