@@ -4,7 +4,7 @@ A campaign's runs are simulated together by one compiled function; the Jacobian 
 column for each free quantity and for each of the run's own circumstances.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import equinox as eqx
@@ -236,14 +236,14 @@ def _channel_sums(
 
 
 def assemble(
-    unknowns: Unknowns, runs: Sequence[int], sums: RunSums, *, shared: bool
+    unknowns: Unknowns, sums: Mapping[int, RunSums], *, shared: bool
 ) -> tuple[Normal, Float[np.ndarray, "runs blocks size"]]:
     """The normal equations of several runs in the fit's vector.
 
     Args:
         unknowns: The layout.
-        runs: Number of the run in the layout that each row of the sums is of.
-        sums: Sums of the runs, with or without the circumstances' columns, as NumPy arrays.
+        sums: Sums of each run by its number in the layout, with or without the
+            circumstances' columns, as NumPy arrays.
         shared: Whether the runs may say anything about the shared quantities, or about
             their own circumstances alone.
 
@@ -252,15 +252,16 @@ def assemble(
     """
     size = unknowns.size
     matrix, gradient = np.zeros((size, size)), np.zeros(size)
-    scores = np.zeros((len(runs), BLOCKS, size))
-    for row, (run, own) in enumerate(zip(runs, sums.matrix, strict=True)):
+    scores = np.zeros((len(sums), BLOCKS, size))
+    for row, (run, own) in enumerate(sums.items()):
         quantities = unknowns.opened[unknowns.local[run]] & shared
         open_to_it = np.concatenate([quantities, unknowns.active[run]])
-        columns = np.flatnonzero(open_to_it[: own.shape[0]])
+        columns = np.flatnonzero(open_to_it[: own.gradient.size])
         at = unknowns.of_run(run)[columns]
         # Quantities that share an unknown add up in it.
-        np.add.at(matrix, np.ix_(at, at), own[np.ix_(columns, columns)])
-        np.add.at(gradient, at, sums.gradient[row][columns])
+        np.add.at(matrix, np.ix_(at, at), own.matrix[np.ix_(columns, columns)])
+        np.add.at(gradient, at, own.gradient[columns])
         for column, place in zip(columns, at, strict=True):
-            scores[row][:, place] += sums.scores[row][:, column]
-    return Normal(float(np.sum(sums.total)), gradient, matrix), scores
+            scores[row][:, place] += own.scores[:, column]
+    cost = float(sum(own.total for own in sums.values()))
+    return Normal(cost, gradient, matrix), scores

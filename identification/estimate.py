@@ -2,13 +2,14 @@
 
 import concurrent.futures
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from identification.accumulate import RunSums, assemble
 from identification.campaign.types import Campaign
 from identification.comparison import Comparison, compare, compare_motors
 from identification.identifiability import Identifiability, identifiability
@@ -142,8 +143,7 @@ def estimate(
     problem = Problem.of(campaign, prior, tuple(free), frozenset(hold_out))
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # Compiling leaves the interpreter free: the rest comes along meanwhile.
-        aside.submit(problem.evaluate, problem.at_rest())
-        aside.submit(problem.corrected, problem.at_rest())
+        aside.submit(problem.compile)
         begun = starts(problem, lambda doing, share: progress(doing, 0.3 * share))
     return solve(
         problem,
@@ -193,7 +193,8 @@ def solve(
         point = problem.minimise(point, iterations=12, decrement=1e-2, held_out=True).point
     progress("standard errors", 1.0)
     costs = tuple(end.normal.cost / problem.measurements() for end in ends)
-    judged = _judged(problem, minimum)
+    (sums,) = problem.each([minimum.point])
+    judged = _judged(problem, minimum, sums)
     return Estimate(
         **judged,
         circumstances=_circumstances(problem, point),
@@ -206,9 +207,9 @@ def solve(
             misfit=minimum.normal.cost / problem.measurements(),
             measurements=problem.measurements(),
         ),
-        identifiability=identifiability(problem, minimum.point),
+        identifiability=identifiability(problem, minimum.point, sums),
         influence=influence(
-            run_normal(problem, minimum.point),
+            run_normal(problem, sums),
             [p for p in judged["parameters"] if p.status != "fixed"],
             held=minimum.point[np.flatnonzero(problem.unknowns.opened)],
         ),
@@ -246,10 +247,12 @@ def _told(
     return lambda done, cost: progress(doing, begun + share * (1 - 0.5 ** (done / 5)))
 
 
-def _judged(problem: Problem, minimum: Minimum) -> dict[str, object]:
+def _judged(
+    problem: Problem, minimum: Minimum, sums: Mapping[int, RunSums]
+) -> dict[str, object]:
     """Robot, parameters and their correlation, from where the fit ended."""
     unknowns, point, lower = problem.unknowns, minimum.point, problem.unknowns.lower()
-    _, scores = problem.evaluate(point)
+    _, scores = assemble(unknowns, sums, shared=True)
     chosen = np.flatnonzero(unknowns.opened)
     seen = free_unknowns(minimum.normal, point, lower)
     found = covariance(minimum.normal.matrix, scores, seen)

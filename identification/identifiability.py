@@ -7,10 +7,12 @@ small eigenvalues those that they don't.
 """
 
 import dataclasses
+from collections.abc import Mapping
 
 import numpy as np
 from jaxtyping import Float
 
+from identification.accumulate import RunSums
 from identification.comparison import ENCODERS
 from identification.problem import Problem
 from identification.uncertainty import magnitude
@@ -112,19 +114,22 @@ class Identifiability:
         )
 
 
-def identifiability(problem: Problem, point: Float[np.ndarray, " n"]) -> Identifiability:
+def identifiability(
+    problem: Problem, point: Float[np.ndarray, " n"], of_runs: Mapping[int, RunSums]
+) -> Identifiability:
     """What the fitted runs of a problem can tell, if the robot is about what a point says.
 
     Args:
         problem: The problem.
         point: Vector of the fit; before a fit the start that the logs give.
+        of_runs: What each fitted run adds there, by its number.
 
     Returns:
         What moves what, and which combinations are told.
     """
     unknowns = problem.unknowns
     opened = np.flatnonzero(unknowns.opened)
-    parts = [(run, sums.information, sums.known) for run, sums in problem.each(point)]
+    parts = [(run, sums.information, sums.known) for run, sums in of_runs.items()]
     size, scale = unknowns.size, _scales(problem, point)
     matrix, moved = np.zeros((size, size)), np.zeros((len(parts), 2, size))
     for k, (run, channels, known) in enumerate(parts):

@@ -14,7 +14,7 @@ follow, and the step is some half of the way.
 """
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -82,12 +82,12 @@ class Influence:
     """Whether the runs were left out by fits rather than by a Gauss-Newton step each."""
 
 
-def run_normal(problem: Problem, point: Float[np.ndarray, " n"]) -> RunNormal:
+def run_normal(problem: Problem, of_runs: Mapping[int, RunSums]) -> RunNormal:
     """The normal equations of every fitted run in the quantities that a fit may change.
 
     Args:
         problem: The problem.
-        point: Vector of the fit at its minimum.
+        of_runs: What each fitted run adds at the fit's minimum, by its number.
 
     Returns:
         Information and pull of each run.
@@ -95,7 +95,7 @@ def run_normal(problem: Problem, point: Float[np.ndarray, " n"]) -> RunNormal:
     unknowns = problem.unknowns
     opened = np.flatnonzero(unknowns.opened)
     names, information, pull = [], [], []
-    for run, sums in problem.each(point):
+    for run, sums in of_runs.items():
         inner, slope = _eliminated(sums, len(unknowns.free), unknowns.active[run])
         # Quantities that share an unknown add up in it.
         to = unknowns.local[run][:, None] == opened[None, :]

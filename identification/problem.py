@@ -1,7 +1,6 @@
 """A campaign prepared for fitting: its runs as arrays, and their normal equations."""
 
 import dataclasses
-import itertools
 from collections.abc import Callable, Sequence
 
 import equinox as eqx
@@ -146,146 +145,118 @@ class Problem:
         return count
 
     def sums(
-        self, points: Sequence[Float[np.ndarray, " n"]], rows: Sequence[Sequence[int]]
-    ) -> list[RunSums]:
+        self, points: Sequence[Float[np.ndarray, " n"]], rows: Sequence[int]
+    ) -> list[dict[int, RunSums]]:
         """What some runs with the cable on add at each of some points.
-
-        Points and runs are simulated side by side, so that one compiled function serves
-        every use.
 
         Args:
             points: Vectors of the fit.
-            rows: For each point the rows of `records` to look at.
+            rows: The rows of `records` to look at.
 
         Returns:
-            For each point the sums of its rows.
+            For each point the sums of each of these runs, by its number.
         """
-        lanes = [(point, row) for point, own in zip(points, rows, strict=True) for row in own]
-        whole = in_lanes(
+        whole, runs = self._simulated(points, rows), [self.cabled[row] for row in rows]
+        return [
+            {run: _row(whole, k * len(runs) + j) for j, run in enumerate(runs)}
+            for k in range(len(points))
+        ]
+
+    def _simulated(
+        self, points: Sequence[Float[np.ndarray, " n"]], rows: Sequence[int]
+    ) -> RunSums:
+        """The sums of some runs at the first point, then at the next, stacked.
+
+        Points and runs are simulated side by side, so that one compiled function serves
+        every use.
+        """
+        runs = [self.cabled[row] for row in rows]
+        return in_lanes(
             run_sums,
             self.prior,
             self.unknowns.free,
-            np.stack([x[self.unknowns.of_run(self.cabled[row])] for x, row in lanes]),
-            [row for _, row in lanes],
+            np.stack([x[self.unknowns.of_run(run)] for x in points for run in runs]),
+            list(rows) * len(points),
             self.rough,
             size=self.lanes,
         )
-        ends = np.cumsum([0, *map(len, rows)])
-        return [
-            jax.tree.map(lambda leaf, a=a, b=b: leaf[a:b], whole)
-            for a, b in itertools.pairwise(ends)
-        ]
 
-    def predictions(self, point: Float[np.ndarray, " n"]) -> Predicted:
+    def predictions(
+        self, point: Float[np.ndarray, " n"], rows: Sequence[int] | None = None
+    ) -> Predicted:
         """What is simulated for the runs with the cable on, on the logs' own grid.
 
         Args:
             point: Vector of the fit.
+            rows: Rows of `records` to look at; None for all.
 
         Returns:
             As of `identification.comparison.predictions`.
         """
+        rows = range(len(self.cabled)) if rows is None else rows
         return in_lanes(
             predictions,
             self.prior,
             self.unknowns.free,
-            self.vectors(point),
-            range(len(self.cabled)),
+            self.vectors(point)[list(rows)],
+            rows,
             self.records,
             size=self.lanes,
         )
 
-    def motor_sums(self, point: Float[np.ndarray, " n"]) -> RunSums:
-        """What the runs of the bare drives add at a point.
+    def each(
+        self, points: Sequence[Float[np.ndarray, " n"]], *, held_out: bool = False
+    ) -> list[dict[int, RunSums]]:
+        """What every fitted run, or every one held out, adds at each of some points.
 
         Args:
-            point: Vector of the fit.
+            points: Vectors of the fit.
+            held_out: Whether to look at the runs held out instead of at the fitted ones.
 
         Returns:
-            The sums of each of them.
+            For each point the sums of each run by its number, those with the cable on first.
         """
+        rows = [k for k, i in enumerate(self.cabled) if (i in self.held_out) == held_out]
+        found = self.sums(points, rows) if rows else [{} for _ in points]
+        bare = [k for k, i in enumerate(self.motors) if (i in self.held_out) == held_out]
+        if bare:
+            for point, own in zip(points, found, strict=True):
+                sums = self._motor_sums(point)
+                own |= {self.motors[k]: _row(sums, k) for k in bare}
+        return found
+
+    def _motor_sums(self, point: Float[np.ndarray, " n"]) -> RunSums:
+        """What the runs of the bare drives add at a point, stacked."""
         own = jnp.asarray(np.stack([point[self.unknowns.local[i]] for i in self.motors]))
         found = motor_sums(self.prior, self.unknowns.free, own, self.motor_records)
         return jax.tree.map(np.asarray, found)
 
-    def each(self, point: Float[np.ndarray, " n"]) -> list[tuple[int, RunSums]]:
-        """What every fitted run adds at a point.
-
-        Args:
-            point: Vector of the fit.
-
-        Returns:
-            Number of the run and its sums, those with the cable on first.
-        """
-        found: list[tuple[int, RunSums]] = []
-        rows = [k for k, run in enumerate(self.cabled) if run not in self.held_out]
-        if rows:
-            (sums,) = self.sums([point], [rows])
-            found += [(self.cabled[row], _row(sums, k)) for k, row in enumerate(rows)]
-        if any(run not in self.held_out for run in self.motors):
-            sums = self.motor_sums(point)
-            found += [
-                (run, _row(sums, k))
-                for k, run in enumerate(self.motors)
-                if run not in self.held_out
-            ]
-        return found
-
     def evaluate(
-        self, point: Float[np.ndarray, " n"], *, held_out: bool = False
-    ) -> tuple[Normal, Float[np.ndarray, "runs blocks n"]]:
-        """Normal equations and scores of the fitted runs, or of those held out.
+        self, points: Sequence[Float[np.ndarray, " n"]], *, held_out: bool = False
+    ) -> list[Normal]:
+        """Normal equations of the fitted runs, or of those held out, at some points.
 
         Args:
-            point: Vector of the fit.
+            points: Vectors of the fit.
             held_out: Whether to look at the runs held out, whose circumstances alone are
                 then open, instead of at the fitted ones.
 
         Returns:
-            Both, over all unknowns.
+            One for each point, over all unknowns.
         """
-        parts = []
-        chosen = [k for k, i in enumerate(self.cabled) if (i in self.held_out) == held_out]
-        if chosen:
-            (sums,) = self.sums([point], [chosen])
-            runs = [self.cabled[k] for k in chosen]
-            parts.append(assemble(self.unknowns, runs, sums, shared=not held_out))
-        chosen = [k for k, i in enumerate(self.motors) if (i in self.held_out) == held_out]
-        if chosen:
-            sums = jax.tree.map(lambda leaf: leaf[np.array(chosen)], self.motor_sums(point))
-            runs = [self.motors[k] for k in chosen]
-            parts.append(assemble(self.unknowns, runs, sums, shared=not held_out))
-        size = self.unknowns.size
-        normal = Normal(
-            sum(part.cost for part, _ in parts),
-            sum((part.gradient for part, _ in parts), np.zeros(size)),
-            sum((part.matrix for part, _ in parts), np.zeros((size, size))),
-        )
-        return normal, np.concatenate([scores for _, scores in parts])
+        return [
+            assemble(self.unknowns, sums, shared=not held_out)[0]
+            for sums in self.each(points, held_out=held_out)
+        ]
 
-    def evaluate_all(self, points: Sequence[Float[np.ndarray, " n"]]) -> list[Normal]:
-        """Normal equations of the fitted runs at several points, side by side.
-
-        Args:
-            points: Vectors of the fit.
-
-        Returns:
-            One for each point.
-        """
-        rows = [k for k, run in enumerate(self.cabled) if run not in self.held_out]
-        runs = [self.cabled[k] for k in rows]
-        found = [Normal(0.0, 0.0, 0.0)] * len(points)
-        if rows:
-            sums = self.sums(points, [rows] * len(points))
-            found = [assemble(self.unknowns, runs, own, shared=True)[0] for own in sums]
-        bare = dataclasses.replace(self, cabled=(), records=None, rough=None)
-        if any(run not in self.held_out for run in self.motors):
-            alone = [bare.evaluate(point)[0] for point in points]
-            found = [
-                Normal(*(a + b for a, b in zip(x, y, strict=True)))
-                for x, y in zip(found, alone, strict=True)
-            ]
-        return found
+    def compile(self) -> None:
+        """Compiles what a fit needs, by a chunk of each."""
+        point = self.at_rest()
+        if self.records is not None:
+            self.sums([point], [0])
+            self.predictions(point, [0])
+        if self.motor_records is not None:
+            self._motor_sums(point)
 
     def minimise(
         self,
@@ -309,7 +280,7 @@ class Problem:
             Where it ended.
         """
         return minimise(
-            lambda point: self.evaluate(point, held_out=held_out)[0],
+            lambda point: self.evaluate([point], held_out=held_out)[0],
             start,
             lower=self.unknowns.lower(),
             iterations=iterations,
@@ -340,11 +311,10 @@ class Problem:
         Returns:
             Where each ended.
         """
-        runs = [self.cabled[row] for row in rows]
 
         def evaluate(points: list[Float[np.ndarray, " n"]]) -> list[Normal]:
-            found = self.sums(points, [rows] * len(points))
-            return [assemble(self.unknowns, runs, sums, shared=shared)[0] for sums in found]
+            found = self.sums(points, rows)
+            return [assemble(self.unknowns, sums, shared=shared)[0] for sums in found]
 
         return minimise_together(
             evaluate,
@@ -369,7 +339,7 @@ class Problem:
         """
         if self.records is None:
             return self
-        (rough,) = self.sums([point], [range(len(self.cabled))])
+        rough = self._simulated([point], range(len(self.cabled)))
         _, angle, frame = self.predictions(point)
         weight = np.square(self.records.angle_weight)
         difference = windowed(weight * (self.records.angle - np.asarray(angle)), self.factor)
@@ -397,7 +367,7 @@ class Problem:
             Root mean square distance over the frames that saw it [m]; NaN without any.
         """
         rows = [row for row, run in enumerate(self.cabled) if run in self.held_out]
-        (sums,) = self.sums([point], [rows])
+        sums = self._simulated([point], rows)
         seen = np.asarray(self.rough.frame_weight)[rows][:, :, [0, 4]]
         off = _over(sums.residuals.frame[:, :, [0, 4]], seen)
         whole = np.all(seen > 0, axis=2)

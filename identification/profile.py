@@ -90,7 +90,7 @@ def profiles(
     problem = Problem.of(campaign, found.robot, free, held_out)
     point = vector(problem, found)
     problem = problem.corrected(point)
-    best, _ = problem.evaluate(point)
+    (best,) = problem.evaluate([point])
     return tuple(
         _profile(problem, point, best, parameter, iterations)
         for parameter in chosen
@@ -114,7 +114,7 @@ def _profile(problem, point, best, parameter, iterations) -> Profile:
         starts.append(start)
 
     def evaluate(points: list[np.ndarray]) -> list[Normal]:
-        return [_without(normal, index) for normal in problem.evaluate_all(points)]
+        return [_without(normal, index) for normal in problem.evaluate(points)]
 
     ends = minimise_together(
         evaluate,
@@ -142,8 +142,12 @@ def _grid(problem, index, parameter) -> list[float]:
     else:
         wanted = [parameter.value + width * half for width in WIDTHS]
     known = quantity(parameter.name)
-    allowed = [v for v in wanted if known.signed or v > 0 or (v == 0 and not known.positive)]
-    return [encode(parameter.name, value) for value in allowed]
+    if known.positive:
+        wanted = [value for value in wanted if value > 0]
+    elif not known.signed:
+        # The grid ends at the bound itself.
+        wanted = sorted({max(value, 0.0) for value in wanted})
+    return [encode(parameter.name, value) for value in wanted]
 
 
 def _threshold(parameter, best: Normal, index: int, others: np.ndarray, at: float) -> float:

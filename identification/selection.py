@@ -158,7 +158,7 @@ def _promises(
     """
     if not left:
         return []
-    normal, _ = whole.evaluate(point)
+    (normal,) = whole.evaluate([point])
     open_ones = free_unknowns(normal, point, whole.unknowns.lower())
     base = _embedding(whole, problem)[:, _active(problem)]
     seen = base.T @ normal.matrix @ base
