@@ -104,8 +104,8 @@ class Problem:
 
     @property
     def lanes(self) -> int:
-        """Runs that are simulated in one chunk: every core has two of them to do."""
-        return -(-len(self.cabled) // (2 * CORES))
+        """Runs that are simulated in one chunk: every core has one of them to do."""
+        return -(-len(self.cabled) // CORES)
 
     def at_rest(self) -> Float[np.ndarray, " n"]:
         """The point of the prior robot, every run starting where it was seen to."""
