@@ -52,14 +52,14 @@ class RunSums(NamedTuple):
     """The residuals themselves."""
 
     @property
-    def total(self) -> Float[Array | np.ndarray, "..."]:
+    def total(self) -> float:
         """The misfit of everything."""
-        return self.cost.sum(axis=-1) + self.known_cost
+        return float(self.cost.sum() + self.known_cost)
 
     @property
-    def matrix(self) -> Float[Array | np.ndarray, "... n n"]:
+    def matrix(self) -> Float[Array | np.ndarray, "n n"]:
         """The Gauss-Newton matrix."""
-        return (self.weight[..., None, None] * self.information).sum(axis=-3) + self.known
+        return (self.weight[:, None, None] * self.information).sum(axis=0) + self.known
 
 
 def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
@@ -263,5 +263,5 @@ def assemble(
         np.add.at(gradient, at, own.gradient[columns])
         for column, place in zip(columns, at, strict=True):
             scores[row][:, place] += own.scores[:, column]
-    cost = float(sum(own.total for own in sums.values()))
+    cost = sum((own.total for own in sums.values()), 0.0)
     return Normal(cost, gradient, matrix), scores
