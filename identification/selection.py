@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from identification.campaign.types import Campaign
 from identification.estimate import Estimate, estimate, require_float64, solve, vector
@@ -175,11 +175,11 @@ def _promises(
     return found
 
 
-def _active(problem: Problem) -> list[int]:
+def _active(problem: Problem) -> Int[np.ndarray, " active"]:
     """Unknowns of a problem that its fit may change."""
     shared = np.flatnonzero(problem.unknowns.opened)
     own = len(problem.unknowns.shared) + np.flatnonzero(problem.unknowns.active.ravel())
-    return [*shared, *own]
+    return np.concatenate([shared, own])
 
 
 def _score(normal: Normal, base: Float[np.ndarray, "n base"], at: list[int]) -> float:
