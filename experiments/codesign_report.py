@@ -12,8 +12,8 @@ from experiments.figures.pareto import pareto
 from experiments.number_text import plain, short
 from experiments.page import Pictures, page, versions
 from experiments.tuning_section import Table, worst_margins_sentence
+from tuning.admissible import PEAK_SENSITIVITY, PHASE_MARGIN
 from tuning.codesign import Designed
-from tuning.codesign.admissible import PEAK_SENSITIVITY, PHASE_MARGIN
 from tuning.worst_margins import margin_map
 
 _METHOD = (

@@ -10,10 +10,10 @@ from jaxtyping import Float
 from experiments.parameters_file import FittedRobot
 from experiments.posterior import draw
 from experiments.runtime import stage
+from tuning.admissible import PEAK_SENSITIVITY, PHASE_MARGIN, admissible
 from tuning.codesign import (
     Designed,
     Models,
-    admissible,
     evaluate,
     front,
     knee,
@@ -21,7 +21,6 @@ from tuning.codesign import (
     references,
     usual_move_times,
 )
-from tuning.codesign.admissible import PEAK_SENSITIVITY, PHASE_MARGIN
 from tuning.types import FittedSetting
 from tuning.worst_margins import WorstMargin, margin_map, worst_margins
 
@@ -142,7 +141,7 @@ def design(
     times = asked.move_times or usual_move_times(seen, count=FRONT_POINTS)
     robots = _fitted(fitted, asked.settings)
     progress("gains that keep their margins", 0.0)
-    within = admissible([one.robot for one in robots], [heights[0], heights[-1]])
+    within = admissible([one.robot for one in robots])
     designs = front(seen, within, move_times=times, progress=stage(progress, 0.03, 0.8))
     chosen = knee(designs)
     unseen = _held_out(fitted, asked, begin, ends, heights)

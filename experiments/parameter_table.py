@@ -6,7 +6,7 @@ from typing import NamedTuple
 from experiments.coordinates import plain_symbol
 from experiments.number_text import percent, readable_unit, rounded
 from identification.uncertainty import ParameterEstimate, half_width, magnitude
-from scdpr_jax.parameters import QUANTITIES, REFINEMENTS
+from scdpr_jax.parameters import EVERY_QUANTITY
 
 COVERED = 0.997
 """Level of the interval that the truth is looked for in [1]."""
@@ -55,9 +55,7 @@ def parameter_row(
     Returns:
         The line.
     """
-    known = {quantity.name: quantity for quantity in (*QUANTITIES, *REFINEMENTS)}.get(
-        parameter.name
-    )
+    known = {quantity.name: quantity for quantity in EVERY_QUANTITY}.get(parameter.name)
     low, high = parameter.interval95
     half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
     fixed = parameter.status == "fixed"

@@ -19,7 +19,7 @@ from identification.profile import Profile
 from identification.unknowns import PER_SETTING
 from identification.validation import validate
 from scdpr_jax.files import write_whole
-from scdpr_jax.parameters import QUANTITIES, REFINEMENTS, Robot, exact, replace
+from scdpr_jax.parameters import EVERY_QUANTITY, Robot, exact, replace
 from scdpr_jax.prototype import consistent
 from tuning.json_file import read_json
 
@@ -240,7 +240,7 @@ class FittedRobot(pydantic.BaseModel):
     @property
     def robot(self) -> Robot:
         """The robot at its first pretension setting."""
-        known = {quantity.name for quantity in (*QUANTITIES, *REFINEMENTS)}
+        known = {quantity.name for quantity in EVERY_QUANTITY}
         values: dict[str, float] = {}
         for row in self.parameters:
             if row.name in known:
@@ -289,7 +289,7 @@ def read_parameters(path: pathlib.Path) -> FittedRobot:
         ValueError: If the file isn't what `scdpr identify` writes; says where.
     """
     found = read_json(path, FittedRobot, expected="a parameters.json", verb="identify")
-    units = {quantity.name: quantity.unit for quantity in (*QUANTITIES, *REFINEMENTS)}
+    units = {quantity.name: quantity.unit for quantity in EVERY_QUANTITY}
     for row in found.parameters:
         if row.name in units and row.unit != units[row.name]:
             raise ValueError(

@@ -6,7 +6,7 @@ from jaxtyping import Float
 from experiments.parameters_file import FittedRobot
 from identification.quantities import parse_quantity
 from identification.unknowns import PER_SETTING
-from scdpr_jax.parameters import QUANTITIES, REFINEMENTS, Robot, quantity, replace
+from scdpr_jax.parameters import EVERY_QUANTITY, Robot, quantity, replace
 
 
 def draw(
@@ -28,7 +28,7 @@ def draw(
     Returns:
         The robots: samples by settings.
     """
-    known = {one.name for one in (*QUANTITIES, *REFINEMENTS)}
+    known = {one.name for one in EVERY_QUANTITY}
     rows = [row for row in fitted.parameters if row.name in known]
     names = [row.name if row.setting is None else f"{row.name} {row.setting}" for row in rows]
     random = np.random.default_rng(seed)

@@ -267,6 +267,9 @@ REFINEMENTS: tuple[Quantity, ...] = (
 """What a fit may free besides: `campaign.toml` doesn't state it, and it refines a quantity
 of `QUANTITIES`, so it is replaced after those."""
 
+EVERY_QUANTITY: tuple[Quantity, ...] = (*QUANTITIES, *REFINEMENTS)
+"""Everything of a fitted robot that has a name, in the order of replacing."""
+
 
 def quantity(name: str) -> Quantity:
     """The named quantity.
@@ -280,10 +283,10 @@ def quantity(name: str) -> Quantity:
     Raises:
         ValueError: If there is none.
     """
-    for candidate in (*QUANTITIES, *REFINEMENTS):
+    for candidate in EVERY_QUANTITY:
         if candidate.name == name:
             return candidate
-    names = ", ".join(candidate.name for candidate in (*QUANTITIES, *REFINEMENTS))
+    names = ", ".join(candidate.name for candidate in EVERY_QUANTITY)
     raise ValueError(f"unknown quantity {name!r}, expected one of: {names}.")
 
 

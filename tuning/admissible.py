@@ -16,6 +16,7 @@ from tuning.flexible_margins import margins_over_workspace
 from tuning.loop_shaping import shape_sampled_loop
 from tuning.plant import MotorPlant, sampled_response
 from tuning.responses import sampled_delay, sampled_derivative
+from tuning.worst_margins import reach
 
 PHASE_MARGIN = np.deg2rad(30.0)
 """Least phase margin of the flexible robot's loops [rad]."""
@@ -32,8 +33,9 @@ _STEPS = 3
 """Steps of the false position after both ends: to some tenths of a degree, never below."""
 _RESERVE = np.deg2rad(1.0)
 """Phase margin of a bare drive beyond the least: between crossovers and heights [rad]."""
-_SHORT_OF_ALL = np.deg2rad(2.0)
-"""Distance from the phase margin that a controller without proportional gain has [rad]."""
+_SHORT_OF_END = np.deg2rad(2.0)
+"""Distance from the phase margin of a controller without a derivative or with nothing else
+[rad]."""
 
 
 class Admissible(eqx.Module):
@@ -90,25 +92,26 @@ _INSIDE = 0.03
 """Share that a start keeps from a bound, where a logit has no slope [1]."""
 
 
-def admissible(robots: Sequence[Robot], heights: Sequence[float]) -> Admissible:
+def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admissible:
     """The gains with which every loop of the flexible robot keeps its margins.
 
     Args:
         robots: The robot at each of its settings.
-        heights: Heights of the end-effector at which margins are looked at [m].
+        heights: Heights of the end-effector at which margins are looked at [m]; none for the
+            lowest and the highest within reach and the middle, one of which has the least.
 
     Returns:
-        The bounds.
-
-    Raises:
-        ValueError: If no gains that are searched keep the margins.
+        The bounds. Where no gains that are searched keep the margins, the most damped of
+        them: `worst_margins` tells what is left.
     """
+    heights = heights or np.linspace(*reach(robots[0]), 3).tolist()
     drive = robots[0].drive
     plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
     stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *robots)
     every = jnp.asarray(heights)
     crossover = np.geomspace(*CROSSOVERS, _NODES)
-    highest = np.asarray([_without_proportional(plant, w) for w in crossover]) - _SHORT_OF_ALL
+    without, alone = np.transpose([_ends(plant, w) for w in crossover])
+    highest = alone - _SHORT_OF_END
 
     def slack(margin: Float[np.ndarray, " nodes"]) -> Float[np.ndarray, " nodes"]:
         pds = [
@@ -118,25 +121,22 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float]) -> Admissible:
         each = jax.tree.map(lambda *leaves: jnp.stack(leaves), *pds)
         return np.asarray(_slack(stacked, every, each))
 
-    good, bad = highest, np.minimum(_LOWEST, highest)
+    good, bad = highest, np.clip(_LOWEST, without + _SHORT_OF_END, highest)
     above, below = slack(good), slack(bad)
     usable = above >= 0
     if not usable.any():
-        raise ValueError(
-            "no gains keep the flexible robot's margins, expected some crossover from "
-            f"{CROSSOVERS[0]:g} to {CROSSOVERS[1]:g} rad/s with a phase margin of "
-            f"{np.degrees(PHASE_MARGIN):.0f}° and a peak sensitivity of {PEAK_SENSITIVITY:g}. "
-            "Look at the fitted pretension and inertia: they may not be the robot's."
-        )
+        return Admissible(plant, *map(jnp.asarray, (crossover, highest, highest)))
     for _ in range(_STEPS):
         # The false position, its standing end weighed by half (Illinois).
-        middle = np.where(below >= 0, bad, (good * below - bad * above) / (below - above))
+        bracketed = (below < 0) & usable
+        middle = bad.copy()
+        np.divide(good * below - bad * above, below - above, out=middle, where=bracketed)
         found = slack(middle)
         kept = found >= 0
         good, bad = np.where(kept, middle, good), np.where(kept, bad, middle)
         above, below = (
             np.where(kept, found, above / 2),
-            np.where(kept, np.where(below >= 0, below, below / 2), found),
+            np.where(kept, np.where(bracketed, below / 2, below), found),
         )
     first = int(np.argmax(usable))
     last = first + int(np.argmin(np.append(usable[first:], False)))
@@ -164,12 +164,10 @@ def _slack(robots: Robot, heights: Float[Array, " heights"], pds: PD) -> Float[A
     return jax.lax.map(worst, pds)
 
 
-def _without_proportional(plant: MotorPlant, crossover: float) -> float:
-    """Phase margin of the bare drive under a derivative alone [rad]."""
+def _ends(plant: MotorPlant, crossover: float) -> tuple[float, float]:
+    """Phase margins of the bare drive without a derivative and with nothing else [rad]."""
     period, w = jnp.asarray(1e-3), jnp.asarray(crossover)
-    loop = (
-        sampled_delay(w, period=period, delay=1)
-        * sampled_response(plant, w, period=period)
-        * sampled_derivative(w, period=period, filter_time=jnp.asarray(0.0))
-    )
-    return float(jnp.pi + jnp.angle(loop))
+    drive = sampled_delay(w, period=period, delay=1) * sampled_response(plant, w, period=period)
+    derivative = sampled_derivative(w, period=period, filter_time=jnp.asarray(0.0))
+    without, alone = (float(jnp.angle(-loop)) for loop in (drive, derivative * drive))
+    return without, alone

@@ -88,7 +88,7 @@ def cells_of(frequencies: Frequencies, robot: Robot, *, pretension: float) -> tu
 def robot_in(cell: Cell, robot: Robot) -> Robot:
     r"""The robot whose held frequency at the cell's height is the cell's.
 
-    $f \propto \sqrt{T}$ gives the effective pretension; the coefficient of friction makes up
+    $f \propto \sqrt{T}$ gives the effective pretension; the coefficients of friction make up
     for it, as the friction force $4T\mu$ is what logs determine.
 
     Args:
@@ -99,13 +99,12 @@ def robot_in(cell: Cell, robot: Robot) -> Robot:
         The robot in the cell.
     """
     share = (cell.frequency / _held_frequency(robot, cell.height)) ** 2
-    return replace(
-        robot,
-        {
-            "effective_pretension": float(value(robot, "effective_pretension")) * share,
-            "friction_coefficient": float(value(robot, "friction_coefficient")) / share,
-        },
-    )
+    scale = {
+        "effective_pretension": share,
+        "friction_coefficient": 1 / share,
+        "upper_friction_coefficient": 1 / share,
+    }
+    return replace(robot, {name: by * float(value(robot, name)) for name, by in scale.items()})
 
 
 def _cell(

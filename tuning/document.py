@@ -11,7 +11,7 @@ import pydantic
 
 from scdpr_jax.controller import PD
 from scdpr_jax.files import write_whole
-from scdpr_jax.parameters import QUANTITIES, exact, replace
+from scdpr_jax.parameters import EVERY_QUANTITY, QUANTITIES, exact, quantity, replace
 from scdpr_jax.prototype import consistent
 from scdpr_jax.shaper import Shaper
 from tuning.json_file import read_json
@@ -150,11 +150,8 @@ def _robot(known: FittedSetting) -> dict[str, Any]:
     return {
         "pretension": {"value": known.pretension, "unit": "N"},
         "parameters": {
-            quantity.name: {
-                "value": float(quantity.leaves(known.robot)[0]),
-                "unit": quantity.unit,
-            }
-            for quantity in QUANTITIES
+            one.name: {"value": float(one.leaves(known.robot)[0]), "unit": one.unit}
+            for one in EVERY_QUANTITY
         },
     }
 
@@ -279,11 +276,13 @@ class _Robot(pydantic.BaseModel):
 
     @pydantic.model_validator(mode="after")
     def _has_every_quantity(self) -> "_Robot":
-        units = {quantity.name: quantity.unit for quantity in QUANTITIES}
-        told = {name: number.unit for name, number in self.parameters.items()}
-        wrong = sorted({*units.items()} ^ {*told.items()})
-        if wrong:
-            raise ValueError(f"{wrong} differ, expected every quantity in its SI unit")
+        missing = {one.name for one in QUANTITIES} - self.parameters.keys()
+        if missing:
+            raise ValueError(f"without {sorted(missing)}, expected every quantity of the robot")
+        for name, number in self.parameters.items():
+            unit = quantity(name).unit
+            if number.unit != unit:
+                raise ValueError(f"the unit of {name}: got {number.unit!r}, expected {unit!r}")
         return self
 
     def build(self) -> FittedSetting:

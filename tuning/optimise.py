@@ -24,20 +24,14 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.closed_loop import ClosedLoop, closed_loop
 from scdpr_jax.controller import PD, published_pd
-from scdpr_jax.drive import drive_gain, drive_pole
 from scdpr_jax.dynamics import rest
 from scdpr_jax.fields import si
 from scdpr_jax.parameters import Robot, replace
 from scdpr_jax.shaper import ShapedTrajectory, Shaper
 from scdpr_jax.trajectory import Manoeuvre, rest_to_rest
-from tuning.loop_shaping import shape_sampled_loop
+from tuning.admissible import Admissible
 from tuning.objectives import Scores, loss, score
-from tuning.plant import MotorPlant
 
-CROSSOVERS = (25.0, 80.0)
-"""Gain crossovers that are searched [rad/s]; Eq. (25) asks for 40."""
-PHASE_MARGINS = (np.deg2rad(45.0), np.deg2rad(75.0))
-"""Phase margins of the sampled loop that are searched [rad]; Eq. (25) asks for 60°."""
 LONGEST_GAP = 0.25
 """Longest time between two impulses that is searched [s]."""
 LEG_TIMES = (2.0, 4.0)
@@ -75,7 +69,7 @@ class Design(eqx.Module):
     """Gains and a shaper as unconstrained numbers: whatever they are, both are sensible."""
 
     loop: Float[Array, "... 2"]
-    """Logits of crossover and phase margin within what is searched [1]."""
+    """Logits of crossover and phase margin within what is admissible [1]."""
     gaps: Float[Array, "... gaps"]
     """Logits of the times between the impulses within `LONGEST_GAP` [1]."""
     amplitudes: Float[Array, "... gaps"]
@@ -93,22 +87,17 @@ class Effort(NamedTuple):
     """Steps of gradient descent that follow."""
 
 
-def controller_of(robot: Robot, design: Design, *, period: float = 1e-3) -> PD:
-    """The controller of a design, with its crossover and margin exactly when sampled.
+def controller_of(within: Admissible, design: Design) -> PD:
+    """The controller of a design, at its own period.
 
     Args:
-        robot: The robot.
+        within: Which gains are admissible.
         design: The design.
-        period: Sample period [s].
 
     Returns:
         The controller.
     """
-    share = jax.nn.sigmoid(design.loop)
-    crossover = CROSSOVERS[0] + (CROSSOVERS[1] - CROSSOVERS[0]) * share[0]
-    margin = PHASE_MARGINS[0] + (PHASE_MARGINS[1] - PHASE_MARGINS[0]) * share[1]
-    plant = MotorPlant(gain=drive_gain(robot.drive), pole=drive_pole(robot.drive))
-    return shape_sampled_loop(plant, crossover=crossover, phase_margin=margin, period=period)
+    return within.controller(jax.nn.sigmoid(design.loop))
 
 
 def shaper_of(design: Design) -> Shaper:
@@ -207,6 +196,7 @@ class _Search(NamedTuple):
 
 def optimise(
     task: Task,
+    within: Admissible,
     *,
     impulses: int = IMPULSES,
     leg_times: tuple[float, ...] = LEG_TIMES,
@@ -216,10 +206,9 @@ def optimise(
 ) -> Optimum:
     """Gains and a shaper for a cell, through the simulated closed loop.
 
-    Phase margin and crossover stay within what is searched, whatever is found.
-
     Args:
         task: The robot and the manoeuvre's poses.
+        within: Which gains are admissible.
         impulses: Impulses of the shaper, two at least.
         leg_times: Times of a leg that the same shaper is to serve [s].
         effort: How much is spent.
@@ -238,7 +227,7 @@ def optimise(
     ) -> Float[np.ndarray, " population"]:
         """Mean loss of each design, the pretension as fitted counting half."""
         design = jax.vmap(unflatten)(jnp.asarray(designs))
-        pds = jax.vmap(lambda d: _at(COARSE_PERIOD, controller_of(task.robot, d)))(design)
+        pds = jax.vmap(lambda d: _at(COARSE_PERIOD, controller_of(within, d)))(design)
         shapers = jax.vmap(shaper_of)(design)
         crossed = len(designs), len(TENSIONS)
         lanes = jax.tree.map(lambda leaf: jnp.repeat(leaf, crossed[1], axis=0), (pds, shapers))
@@ -262,7 +251,9 @@ def optimise(
         fitted = tuple(jax.tree.map(lambda leaf: leaf[0], b) for b in baseline.values())
 
         def slope(flat: Float[Array, " n"]) -> tuple[Float[Array, ""], Float[Array, " n"]]:
-            return _slope(flat, task, fitted, impulses=impulses, leg_times=tuple(leg_times))
+            return _slope(
+                flat, task, within, fitted, impulses=impulses, leg_times=tuple(leg_times)
+            )
 
         descended = _descend(slope, jnp.asarray(best), effort.descents, progress)
         candidates = np.stack([best, descended])
@@ -271,7 +262,7 @@ def optimise(
     design = unflatten(jnp.asarray(best))
     before = [np.asarray(losses(scores, scores)) @ WEIGHTS for scores in baseline.values()]
     return Optimum(
-        controller_of(task.robot, design),
+        controller_of(within, design),
         shaper_of(design),
         float(least),
         float(np.mean(before)),
@@ -416,6 +407,7 @@ def _learn(
 def _slope(
     flat: Float[Array, " n"],
     task: Task,
+    within: Admissible,
     baseline: tuple[Scores, ...],
     *,
     impulses: int,
@@ -429,7 +421,7 @@ def _slope(
 
     def total(flat: Float[Array, " n"]) -> Float[Array, ""]:
         design = unflatten(flat)
-        pd, shaper = _at(COARSE_PERIOD, controller_of(task.robot, design)), shaper_of(design)
+        pd, shaper = _at(COARSE_PERIOD, controller_of(within, design)), shaper_of(design)
         each = []
         for leg, before in zip(leg_times, baseline, strict=True):
             samples = samples_for(leg, COARSE_PERIOD)

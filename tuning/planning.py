@@ -59,6 +59,9 @@ _RESTING = 1e-3
 decides it more than any motion does."""
 _TRACKING = 100e-3
 """Distance from the plain profile during the leg that counts as one [m]."""
+_PLAIN_SHARE = 0.92
+"""Share of the voltage limit that the plain profile may ask for [1]: the PD answers a count of
+the encoders with some 0.6 V, and a saturated drive doesn't follow."""
 _VOLTAGE_SHARE = 0.85
 """Share of the voltage limit beyond which commands cost; the rest is the PD's [1]."""
 _VOLTAGE = 0.5
@@ -429,8 +432,8 @@ def shortest_leg_time(
     Returns:
         Time of the leg [s], a whole number of tenths.
     """
-    time = LEG_TIME
-    while _plain_voltage(robot, start, end, time) > float(robot.drive.voltage_limit):
+    time, most = LEG_TIME, _PLAIN_SHARE * float(robot.drive.voltage_limit)
+    while _plain_voltage(robot, start, end, time) > most:
         time = round(time + 0.1, 1)
     return time
 

@@ -11,6 +11,7 @@ from scdpr_jax.controller import PD, published_pd
 from scdpr_jax.drive import drive_gain, drive_pole
 from scdpr_jax.parameters import Robot, exact
 from scdpr_jax.shaper import Shaper, residual_vibration
+from tuning.admissible import admissible
 from tuning.catalogue import CATALOGUE
 from tuning.cells import Cell, Frequencies, cells_of, robot_in
 from tuning.margins import sampled_margins
@@ -116,8 +117,11 @@ def tune(
     reference = _reference_cell(cells[setting], robots[setting])
     # What is promised for Table 3 is promised for the fitted robot as it is.
     task = _task(robots[setting], height=_HEIGHT * float(robots[setting].frame.height))
+    progress("gains that keep their margins", 0.0)
+    within = admissible(list(robots.values()))
     found = optimise(
         task,
+        within,
         leg_times=leg_times,
         effort=effort,
         progress=lambda doing, share: progress(doing, 0.8 * share),
@@ -269,7 +273,7 @@ def prepare(
     """
     task = _task(exact(robot), height=_HEIGHT * float(robot.frame.height))
     once = Effort(effort.population, generations=1, descents=min(effort.descents, 1))
-    optimise(task, leg_times=leg_times, effort=once)
+    optimise(task, admissible([task.robot]), leg_times=leg_times, effort=once)
     _predict(task, published_pd(), unshaped(IMPULSES), leg_times[0], longest=max(leg_times))
 
 

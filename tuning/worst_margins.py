@@ -67,6 +67,20 @@ class MarginMap:
     """Margins by loop, setting and height."""
 
 
+def reach(robot: Robot) -> tuple[float, float]:
+    """The lowest and the highest place that margins are looked at.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Both heights of the end-effector [m].
+    """
+    body = robot.end_effector
+    low = float(body.lower_offset) + _CLEAR
+    return low, float(robot.frame.height - body.upper_offset) - _CLEAR
+
+
 def margin_map(robots: Sequence[Fitted], controller: PD) -> MarginMap:
     """Margins of every joint loop over the heights within reach, at every setting.
 
@@ -78,10 +92,7 @@ def margin_map(robots: Sequence[Fitted], controller: PD) -> MarginMap:
         The map.
     """
     stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *(one.robot for one in robots))
-    body, frame = robots[0].robot.end_effector, robots[0].robot.frame
-    low = float(body.lower_offset) + _CLEAR
-    high = float(frame.height - body.upper_offset) - _CLEAR
-    height = np.linspace(low, high, _HEIGHTS)
+    height = np.linspace(*reach(robots[0].robot), _HEIGHTS)
     found = margins_over_workspace(stacked, jnp.asarray(height), controller)
     return MarginMap(np.asarray([one.pretension for one in robots]), height, found)
 

@@ -13,9 +13,9 @@ from scdpr_jax.parameters import exact, replace
 from scdpr_jax.prototype import consistent
 from scdpr_jax.shaper import ShapedTrajectory
 from scdpr_jax.trajectory import BezierLeg, rest_to_rest
+from tuning.admissible import _slack, admissible
 from tuning.catalogue import CATALOGUE
 from tuning.codesign import (
-    admissible,
     co_design,
     evaluate,
     front,
@@ -25,7 +25,6 @@ from tuning.codesign import (
     usual_move_times,
 )
 from tuning.codesign import legs as leg_module
-from tuning.codesign.admissible import _slack
 from tuning.codesign.search import _starts, shaped
 from tuning.codesign.unknowns import Unknowns, command, law, plain_profile, start
 
@@ -90,6 +89,12 @@ def test_every_admissible_controller_keeps_its_margins(within):
     controllers = [within.controller(jnp.asarray(share)) for share in shares]
     # Other heights than the bounds were found at.
     assert np.all(slack(controllers, [0.45, 0.88]) >= 0)
+
+
+def test_where_no_gains_keep_the_margins_the_most_damped_are_left():
+    undamped = replace(ROBOT, {"drive_damping": 1e-4, "effective_pretension": 1000.0})
+    found = admissible([undamped, undamped], HEIGHTS)
+    np.testing.assert_array_equal(found.lowest, found.highest)
 
 
 def test_the_bounds_are_no_further_than_the_margins_ask(within):

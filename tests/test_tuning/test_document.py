@@ -1,9 +1,11 @@
+import dataclasses
 import json
 
 import jax
 import pytest
 
 from scdpr_jax.controller import published_pd
+from scdpr_jax.parameters import EVERY_QUANTITY, exact, replace, value
 from scdpr_jax.prototype import consistent
 from tuning.catalogue import ei
 from tuning.document import read_tuning, tuning_document, write_tuning
@@ -44,6 +46,23 @@ def test_a_tuning_that_is_written_and_read_is_the_same(tuning, tmp_path):
     assert tuning_document(again) == tuning_document(tuning)
 
 
+def test_the_robot_that_is_read_is_the_one_that_was_fitted(tuning, tmp_path):
+    fitted = consistent()
+    for share, one in enumerate(EVERY_QUANTITY, start=2):
+        fitted = replace(fitted, {one.name: float(value(fitted, one.name)) + 0.01 * share})
+    robots = (FittedSetting(350.0, exact(fitted)),)
+    write_tuning(tmp_path / "tuning.json", dataclasses.replace(tuning, robots=robots))
+    again = read_tuning(tmp_path / "tuning.json").robot_at().robot
+    assert jax.tree.all(jax.tree.map(lambda a, b: bool(a == b), again, exact(fitted)))
+
+
+def test_a_robot_from_before_refinements_is_read(tuning, tmp_path):
+    path = broken(
+        tuning, tmp_path, lambda d: d["robots"][0]["parameters"].pop("loop_stiffness")
+    )
+    assert float(read_tuning(path).robot_at().robot.cable.stiffness) == 0.0
+
+
 def test_a_setting_without_a_fitted_robot_is_refused(tuning):
     with pytest.raises(ValueError, match="at 200 N, got: 350 N"):
         tuning.robot_at(200.0)
@@ -65,6 +84,16 @@ def broken(tuning, tmp_path, change):
         (lambda d: d["shapers"][0].update(amplitudes=[0.5, 0.2, 0.1]), "sum to 0.8"),
         (lambda d: d["shapers"][0].update(times=[0.0, 0.2, 0.1]), "times decrease"),
         (lambda d: d["robots"][0]["parameters"].pop("drive_inertia"), "drive_inertia"),
+        (
+            lambda d: d["robots"][0]["parameters"]["loop_stiffness"].update(unit="N/mm"),
+            "the unit of loop_stiffness: got 'N/mm'",
+        ),
+        (
+            lambda d: d["robots"][0]["parameters"].update(
+                springiness={"value": 1.0, "unit": "N/m"}
+            ),
+            "unknown quantity 'springiness'",
+        ),
         (lambda d: d["predicted"]["horizontal"]["after"].popitem(), "expected the metrics"),
     ],
 )

@@ -1,7 +1,5 @@
 """Gains, impulses and the leg's shape designed together, for the worst of many models."""
 
-from tuning.codesign.admissible import Admissible as Admissible
-from tuning.codesign.admissible import admissible as admissible
 from tuning.codesign.front import front as front
 from tuning.codesign.front import knee as knee
 from tuning.codesign.front import usual_move_times as usual_move_times

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tuning.codesign.admissible import Admissible
+from tuning.admissible import Admissible
 from tuning.codesign.models import Models
 from tuning.codesign.search import Designed, co_design
 

@@ -18,8 +18,8 @@ from jaxtyping import Array, Float
 from scdpr_jax.controller import PD, published_pd
 from scdpr_jax.modes import BOTH_HELD, natural_frequencies
 from scdpr_jax.shaper import Shaper
+from tuning.admissible import Admissible
 from tuning.catalogue import CATALOGUE
-from tuning.codesign.admissible import Admissible
 from tuning.codesign.legs import Command, Found, Grid, grid, linearise, run
 from tuning.codesign.models import Models
 from tuning.codesign.tail import descend, value_at_risk

@@ -17,7 +17,7 @@ from jaxtyping import Array, Float
 from scdpr_jax.controller import PD
 from scdpr_jax.shaper import Shaper
 from scdpr_jax.trajectory import QUARTIC
-from tuning.codesign.admissible import Admissible
+from tuning.admissible import Admissible
 from tuning.codesign.legs import Command, Grid
 
 ORDER = 7
