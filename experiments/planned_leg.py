@@ -1,22 +1,21 @@
 """A planned leg, and the same leg as the paper runs it, simulated side by side."""
 
-import dataclasses
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
-from rich.table import Table
 
 from scdpr_jax.closed_loop import ClosedLoop, closed_loop, joint_references
 from scdpr_jax.controller import PD, published_pd
-from scdpr_jax.dynamics import rest
 from scdpr_jax.kinematics import forward_kinematics
 from scdpr_jax.parameters import Robot
 from scdpr_jax.trajectory import rest_to_rest
+from tuning.following import Scenario, begin
 from tuning.plan_file import Plan
-from tuning.planning import Progress, plan_leg
+from tuning.planning import SCENARIOS, Progress, plan_leg
 
 AFTERWARDS = 1.5
 """Time that is looked at after the leg [s]."""
@@ -51,8 +50,7 @@ def make(
     return Plan(leg.time, leg.position, angle, leg.feedforward)
 
 
-@dataclasses.dataclass(frozen=True)
-class LegFigures:
+class LegFigures(NamedTuple):
     """What a simulated leg comes to."""
 
     vibration: float
@@ -67,8 +65,34 @@ class LegFigures:
     """Largest command [V]."""
 
 
-def compare(robot: Robot, controller: PD, plan: Plan) -> tuple[LegFigures, LegFigures]:
-    """The leg as the paper runs it, and as planned, on the fitted robot.
+class LegRun(NamedTuple):
+    """A leg as it was simulated, held for `AFTERWARDS` at its end."""
+
+    time: Float[np.ndarray, " samples"]
+    """Times of the samples [s]."""
+    reference: Float[np.ndarray, "samples 2"]
+    """Where the end-effector was to be [m]."""
+    position: Float[np.ndarray, "samples 2"]
+    """Where it was, $[x_e, y_e]$ [m]."""
+    voltage: Float[np.ndarray, "samples-1 2"]
+    """Commands [V]."""
+    figures: LegFigures
+    """What it comes to."""
+
+
+class Compared(NamedTuple):
+    """A leg as the paper runs it and as planned, on the robots that it was planned for."""
+
+    names: tuple[str, ...]
+    """What is different about each robot, the fitted one first."""
+    plain: tuple[LegRun, ...]
+    """The plain profile under the PD of Eq. (25)."""
+    planned: tuple[LegRun, ...]
+    """The plan."""
+
+
+def compare(robot: Robot, controller: PD, plan: Plan) -> Compared:
+    """The leg as the paper runs it, and as planned, on the robots of `SCENARIOS`.
 
     Args:
         robot: The fitted robot.
@@ -76,7 +100,7 @@ def compare(robot: Robot, controller: PD, plan: Plan) -> tuple[LegFigures, LegFi
         plan: The plan.
 
     Returns:
-        Figures of the plain profile under the PD of Eq. (25), and of the plan.
+        Both on every robot, in the time of the plan.
     """
     time = jnp.asarray(plan.time)
     leg = rest_to_rest(plan.position[0], plan.position[-1], duration=plan.time[-1])
@@ -87,79 +111,80 @@ def compare(robot: Robot, controller: PD, plan: Plan) -> tuple[LegFigures, LegFi
         )
     )
     nothing = np.zeros_like(plan.feedforward)
-    before = _figures(robot, published_pd(), plain, plain, nothing)
-    return before, _figures(robot, controller, led, plan.position, plan.feedforward)
+    return Compared(
+        tuple(map(_told, SCENARIOS)),
+        _runs(robot, published_pd(), plain, plain, nothing),
+        _runs(robot, controller, led, plan.position, plan.feedforward),
+    )
 
 
-def _figures(
+def _told(scenario: tuple[float, float, float]) -> str:
+    """What is different about a robot of `SCENARIOS`, in words."""
+    tension, friction, slope = scenario
+    parts = [
+        f"{name} {100 * (share - 1):+.0f} %".replace("-", "−")
+        for name, share in (("pretension", tension), ("friction", friction))
+        if share != 1
+    ]
+    if slope:
+        side = "ahead" if slope > 0 else "behind"
+        parts.append(f"lower carriage {abs(slope):g} μH {side} before")
+    return ", ".join(parts) or "as fitted"
+
+
+def _runs(
     robot: Robot,
     controller: PD,
     led: Float[np.ndarray, "samples 2"],
     reference: Float[np.ndarray, "samples 2"],
     feedforward: Float[np.ndarray, "samples 2"],
-) -> LegFigures:
+) -> tuple[LegRun, ...]:
     held = ((0, round(AFTERWARDS / float(controller.period))), (0, 0))
     led, reference, feedforward = (
         np.pad(part, held, mode="edge") for part in (led, reference, feedforward)
     )
-    run = _run(robot, controller, jnp.asarray(led), jnp.asarray(feedforward))
-    q = np.asarray(run.states.position)
-    ended = len(q) - held[0][1] - 1
-    last = q[-1]
+    scenarios = Scenario(*(jnp.asarray(column) for column in zip(*SCENARIOS, strict=True)))
+    found = _simulated(robot, controller, scenarios, jnp.asarray(led), jnp.asarray(feedforward))
+    runs, ended = [], len(led) - held[0][1] - 1
+    for lane in range(len(SCENARIOS)):
+        run = jax.tree.map(lambda leaf, lane=lane: np.asarray(leaf[lane]), found)
+        q = run.states.position
+        figures = _figures(q, reference, run.time, run.voltage, ended, robot)
+        runs.append(LegRun(run.time, reference, q[:, [0, 4]], run.voltage, figures))
+    return tuple(runs)
+
+
+def _figures(
+    q: Float[np.ndarray, "samples 5"],
+    reference: Float[np.ndarray, "samples 2"],
+    time: Float[np.ndarray, " samples"],
+    voltage: Float[np.ndarray, "samples-1 2"],
+    ended: int,
+    robot: Robot,
+) -> LegFigures:
+    last, goal = q[-1], reference[-1]
     slope = (last[3] - last[2]) / float(robot.frame.height)
-    goal = reference[-1]
-    away = np.hypot(*(q[:, [0, 4]] - goal).T)
-    unsettled = np.flatnonzero(away > SETTLED)
+    unsettled = np.flatnonzero(np.hypot(*(q[:, [0, 4]] - goal).T) > SETTLED)
     first = unsettled[-1] + 1 if unsettled.size else 0
-    time = np.asarray(run.time)
     return LegFigures(
         vibration=float(np.ptp(q[ended:, 0])),
         resting_error=float(np.hypot(last[2] + slope * last[4] - goal[0], last[4] - goal[1])),
         settled=float(time[first]) if first < time.size else float("nan"),
         largest_error=float(np.max(np.hypot(*(q[:, [0, 4]] - reference).T))),
-        largest_voltage=float(np.max(np.abs(np.asarray(run.voltage)))),
+        largest_voltage=float(np.max(np.abs(voltage))),
     )
 
 
 @eqx.filter_jit
-def _run(
+def _simulated(
     robot: Robot,
     controller: PD,
+    scenarios: Scenario,
     led: Float[Array, "samples 2"],
     feedforward: Float[Array, "samples 2"],
 ) -> ClosedLoop:
-    x, y = led[0]
-    return closed_loop(
-        robot, rest(robot, x, x, y), controller, reference=led, feedforward=feedforward
-    )
+    def run(scenario: Scenario) -> ClosedLoop:
+        might_be, start = begin(robot, scenario, led[0])
+        return closed_loop(might_be, start, controller, reference=led, feedforward=feedforward)
 
-
-def comparison_table(compared: tuple[LegFigures, LegFigures]) -> Table:
-    """The figures of both, for the terminal.
-
-    Args:
-        compared: What `compare` returns.
-
-    Returns:
-        The table.
-    """
-    table = Table(title="The leg, simulated on the fitted robot", title_justify="left")
-    for head in (
-        "",
-        "vibration after it [mm]",
-        "resting error [mm]",
-        "within 5 mm from [s]",
-        "largest error, Eq. (26) [mm]",
-        "largest command [V]",
-    ):
-        table.add_column(head, justify="right" if head else "left")
-    for name, one in zip(("plain profile, Eq. (25)", "planned"), compared, strict=True):
-        table.add_row(
-            name,
-            f"{1e3 * one.vibration:.2f}",
-            f"{1e3 * one.resting_error:.2f}",
-            f"{one.settled:.3f}",
-            f"{1e3 * one.largest_error:.1f}",
-            f"{one.largest_voltage:.2f}",
-        )
-    return table
+    return jax.vmap(run)(scenarios)

@@ -7,7 +7,7 @@ import tyro
 
 from experiments.cli import DONE
 from experiments.runtime import set_up, shown_progress, stage
-from experiments.verbs.console import ERRORS, OUT, Folder, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 
 
 def plan(
@@ -29,17 +29,25 @@ def plan(
         tuning: tuning.json of `scdpr tune` or `scdpr calibrate`.
         begin: Where the end-effector rests, "0.3 m, 0.55 m".
         to: Where it is to go, "1.9 m, 0.55 m".
-        out: The table to write, plan.csv.
-        leg_time: Time of the leg, "2 s"; default: 2 s, or longer where the drives can't.
+        out: The table to write, plan.csv; a page with the same name, plan.html, shows it.
+        leg_time: Time of the leg, "2 s"; default: 2 s, or as much longer as the
+            drives need.
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
     """
     set_up()
-    from experiments import planned_leg
+    from experiments import plan_report, planned_leg
     from experiments.places import parse_position
     from identification.quantities import parse_quantity
+    from scdpr_jax.files import write_whole
     from tuning.document import read_tuning
     from tuning.plan_file import write_plan
 
+    beside = out.with_suffix(".html")
+    if beside == out:
+        raise ValueError(
+            f"`--out`: got {out}, expected a table, such as {out.with_suffix('.csv')}: the "
+            "page that shows it is written beside it."
+        )
     tuned = read_tuning(tuning)
     nominal = None if setting is None else parse_quantity(setting, unit="N", name="--setting")
     seconds = (
@@ -61,7 +69,13 @@ def plan(
         )
         progress("the leg beside the PD of Eq. (25) alone", 0.9)
         compared = planned_leg.compare(robot, tuned.controller, planned)
+    limit = float(robot.drive.voltage_limit)
     write_plan(out, planned)
-    OUT.print(planned_leg.comparison_table(compared))
-    wrote(out)
+    write_whole(
+        beside,
+        plan_report.plan_page(planned, compared, voltage_limit=limit, tuning=str(tuning)),
+    )
+    plan_report.show(OUT, planned, compared, voltage_limit=limit)
+    wrote(out, beside)
+    suggest(f"open {beside}")
     return DONE
