@@ -56,8 +56,8 @@ def cells_of(frequencies: Frequencies, robot: Robot, *, pretension: float) -> tu
     """The grid of cells at one pretension setting, which covers the frame.
 
     Distinct places of the knocks make the grid; its lines lie midway between them. Knocks
-    in one cell are averaged with the inverse squares of their standard errors, a cell
-    without any has the model's frequency.
+    in one cell that ring in its first mode are averaged with the inverse squares of their
+    standard errors, a cell without any has the model's frequency.
 
     Args:
         frequencies: The measured map.
@@ -68,6 +68,7 @@ def cells_of(frequencies: Frequencies, robot: Robot, *, pretension: float) -> tu
         The cells, from the lower left corner row by row.
     """
     here = np.flatnonzero(frequencies.pretension == pretension)
+    swaying = np.setdiff1d(here, other_modes(frequencies, robot, pretension=pretension))
     width, height = float(robot.frame.width), float(robot.frame.height)
     columns = _places(frequencies.x[here], width)
     rows = _places(frequencies.y[here], height)
@@ -78,11 +79,36 @@ def cells_of(frequencies: Frequencies, robot: Robot, *, pretension: float) -> tu
             region = Region(x=x, y=y, pretension=settings)
             inside = [
                 k
-                for k in here
+                for k in swaying
                 if region.contains(float(frequencies.x[k]), float(frequencies.y[k]), pretension)
             ]
             cells.append(_cell(region, middle, frequencies, inside, robot))
     return tuple(cells)
+
+
+def other_modes(
+    frequencies: Frequencies, robot: Robot, *, pretension: float
+) -> tuple[int, ...]:
+    """Knocks at one pretension setting that ring in another mode than the first.
+
+    Friction may end the end-effector's sway and leave its rotation.
+
+    Args:
+        frequencies: The measured map.
+        robot: The robot at that setting.
+        pretension: The nominal setting [N].
+
+    Returns:
+        Rows of those whose frequency is nearer to another of the model's, as a ratio.
+    """
+    rows = np.flatnonzero(frequencies.pretension == pretension)
+    heights = np.asarray(frequencies.y[rows], dtype=float)
+    modes = [np.asarray(natural_frequencies(robot, jnp.asarray(y), BOTH_HELD)) for y in heights]
+    return tuple(
+        int(row)
+        for row, known in zip(rows, modes, strict=True)
+        if np.argmin(np.abs(np.log(known / frequencies.frequency[row]))) != 0
+    )
 
 
 def robot_in(cell: Cell, robot: Robot) -> Robot:

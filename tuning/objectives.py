@@ -148,8 +148,9 @@ def score(
 def loss(found: Scores, baseline: Scores, *, target: float = 0.35) -> Float[Array, ""]:
     r"""How far a run is from what is wanted of it, each metric over its baseline's.
 
-    The vibration counts throughout, and four times above the target share; the resting
-    error and that of Eq. (26) count where they come near the baseline's or exceed it.
+    The vibration counts throughout, and four times above the target share; the resting error
+    and that of Eq. (26) count where they come near the baseline's or exceed it, a millimetre
+    further from the target as much as one and a half of vibration.
 
     Args:
         found: Metrics of the run.
@@ -159,22 +160,20 @@ def loss(found: Scores, baseline: Scores, *, target: float = 0.35) -> Float[Arra
     Returns:
         Loss [1].
     """
-    # Capped shares keep one bad leg from hiding what another does: where friction leaves the
-    # robot is a matter of luck, and the baseline may have had it.
-    vibration = _capped(found.smooth_vibration / baseline.smooth_vibration, 3.0)
-    resting = found.resting_error / jnp.maximum(baseline.resting_error, 1e-3)
+    # A capped share keeps one bad leg from hiding what another does.
+    capped = 3 * jnp.tanh(found.smooth_vibration / baseline.smooth_vibration / 3)
+    # Where friction leaves the robot is a matter of luck, and the baseline may have had it: its
+    # resting error is no measure of its own growth.
+    size = jnp.maximum(baseline.smooth_vibration, 1e-3)
+    further = (found.resting_error - 0.93 * baseline.resting_error) / size
     tracking = found.largest_error / baseline.largest_error
     return (
-        vibration
-        + 3 * _above(vibration, target)
-        + _capped(12 * _above(resting, 0.93), 1.5)
+        capped
+        + 3 * _above(capped, target)
+        + 6 * _above(further, 0.0)
         + 8 * _above(tracking, 0.97)
     )
 
 
 def _above(share: Float[Array, ""], limit: float) -> Float[Array, ""]:
     return jnp.maximum(share - limit, 0.0)
-
-
-def _capped(size: Float[Array, ""], most: float) -> Float[Array, ""]:
-    return most * jnp.tanh(size / most)

@@ -13,7 +13,7 @@ from scdpr_jax.parameters import Robot, exact
 from scdpr_jax.shaper import Shaper, residual_vibration
 from tuning.admissible import admissible
 from tuning.catalogue import CATALOGUE
-from tuning.cells import Cell, Frequencies, cells_of, robot_in
+from tuning.cells import Cell, Frequencies, cells_of, other_modes, robot_in
 from tuning.margins import sampled_margins
 from tuning.optimise import (
     COARSE_PERIOD,
@@ -153,7 +153,7 @@ def tune(
         predicted=predicted,
         robots=fitted,
         worst_margins=worst_margins(margin_map(fitted, found.controller)),
-        notes=_notes(shapers, predicted),
+        notes=(*_other_modes(known, robots), *_notes(shapers, predicted)),
     )
 
 
@@ -305,6 +305,16 @@ def _predict(
     after, run_after = simulate(controller, shaper)
     name = f"horizontal manoeuvre, {leg_time:g} s a leg"
     return Prediction(name, before, after, run_before, run_after)
+
+
+def _other_modes(known: Frequencies, robots: dict[float, Robot]) -> list[str]:
+    return [
+        f"The knock at x {known.x[row]:.2f} m, y {known.y[row]:.2f} m and {setting:g} N rings "
+        f"at {known.frequency[row]:.2f} Hz, in another mode than the sway that shapers are "
+        "for: it says nothing of them. Knock there anew, with the drives held."
+        for setting, robot in robots.items()
+        for row in other_modes(known, robot, pretension=setting)
+    ]
 
 
 def _notes(shapers: list[RegionalShaper], predicted: tuple[Prediction, ...]) -> tuple[str, ...]:

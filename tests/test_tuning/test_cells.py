@@ -7,7 +7,7 @@ import pytest
 from scdpr_jax.modes import BOTH_HELD, natural_frequencies
 from scdpr_jax.parameters import value
 from scdpr_jax.prototype import consistent
-from tuning.cells import cells_of, robot_in
+from tuning.cells import cells_of, other_modes, robot_in
 
 ROBOT = consistent()
 
@@ -43,6 +43,17 @@ def test_knocks_in_one_cell_are_averaged_by_their_weights():
     (cell,) = cells_of(two, ROBOT, pretension=350.0)
     # Weights 4 : 1; a handful of roundings of a number near 3.
     assert abs(cell.frequency - 3.2) <= 1e-14
+
+
+def test_a_knock_that_rings_in_the_rotation_is_no_measurement_of_the_sway():
+    sway, rotation = natural_frequencies(ROBOT, jnp.asarray(0.5), BOTH_HELD)
+    two = knocks(
+        (1.0, 0.5, 350, 1.03 * float(sway), 1e-3, 0.0),
+        (1.0, 0.5, 350, 0.97 * float(rotation), 1e-4, 0.01),
+    )
+    (cell,) = cells_of(two, ROBOT, pretension=350.0)
+    assert cell.frequency == pytest.approx(1.03 * float(sway), rel=1e-12)
+    assert other_modes(two, ROBOT, pretension=350.0) == (1,)
 
 
 def test_the_robot_in_a_cell_has_the_cells_frequency_and_the_same_friction_force():
