@@ -7,6 +7,7 @@ import numpy as np
 
 from experiments.figures.bode import bode, open_loop
 from experiments.figures.margin_curves import margin_curves
+from experiments.figures.residual_vibration_map import residual_vibration_map
 from experiments.figures.shaper_response import NamedShaper, shaper_response
 from experiments.figures.tracking import tracking
 from experiments.number_text import capitalised, percent, plain, short
@@ -14,6 +15,8 @@ from experiments.page import Picture, Pictures
 from scdpr_jax.drive import drive_gain, drive_pole
 from scdpr_jax.parameters import Robot
 from tuning.plant import MotorPlant
+from tuning.residual_map import ResidualMap, WorstResidual, residual_map
+from tuning.schedule import regions_at
 from tuning.types import Metrics, RegionalShaper, Tuning
 from tuning.worst_margins import WorstMargin, margin_map
 
@@ -63,10 +66,12 @@ def tuning_section(tuning: Tuning, *, robot: Robot, picture: Pictures) -> Tuning
     Returns:
         Sentences, tables and figures.
     """
+    maps = tuple(residual_map(tuning, known.pretension) for known in tuning.robots)
+    between = (between_the_cells_sentence(maps),) if maps else ()
     return TuningSection(
-        sentences=tuning_sentences(tuning),
+        sentences=(*tuning_sentences(tuning), *between),
         tables=tuning_tables(tuning),
-        pictures=tuple(_pictures(tuning, robot, picture)),
+        pictures=tuple(_pictures(tuning, robot, maps, picture)),
     )
 
 
@@ -134,6 +139,35 @@ def worst_margins_sentence(worst: Sequence[WorstMargin]) -> str:
 
 def _place(one: WorstMargin) -> str:
     return f"({one.loop}, y {1e3 * one.height:.0f} mm, {one.pretension:g} N)"
+
+
+def between_the_cells_sentence(maps: Sequence[ResidualMap]) -> str:
+    """What the shapers leave between the cells' points, and how much more than at them.
+
+    Args:
+        maps: Residual vibration over the workspace, one map at least.
+
+    Returns:
+        The sentence, with the places.
+    """
+    worst = max(maps, key=lambda one: one.worst.value)
+    further = max(maps, key=lambda one: one.beyond.value)
+    more = 100 * further.beyond.value
+    compared = (
+        "nowhere more than its cell promises"
+        if more < _SAME
+        else f"up to {plain(more, 3)} percentage points more than its cell promises "
+        f"{_pose(further.beyond, further)}"
+    )
+    return (
+        "Wherever a leg ends, the shapers, blended between the regions, leave at most "
+        f"{percent(worst.worst.value, 3)} of a vibration of the held mode "
+        f"{_pose(worst.worst, worst)}; {compared}."
+    )
+
+
+def _pose(place: WorstResidual, of: ResidualMap) -> str:
+    return f"(x {1e3 * place.x:.0f}, y {1e3 * place.y:.0f} mm, {of.pretension:g} N)"
 
 
 def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
@@ -244,7 +278,9 @@ def _predicted(tuning: Tuning) -> Table:
     )
 
 
-def _pictures(tuning: Tuning, robot: Robot, picture: Pictures) -> Iterator[Picture]:
+def _pictures(
+    tuning: Tuning, robot: Robot, maps: Sequence[ResidualMap], picture: Pictures
+) -> Iterator[Picture]:
     drive = robot.drive
     plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
     crossover = float(tuning.margins.gain_crossover)
@@ -272,6 +308,16 @@ def _pictures(tuning: Tuning, robot: Robot, picture: Pictures) -> Iterator[Pictu
             "What each shaper leaves of a vibration, over the vibration's frequency. Inside "
             "its shaded band, two standard errors to either side, a shaper that cancels the "
             "vibration is near zero. Right: the impulses. Dashed: 5 %.",
+        )
+    if maps:
+        here = [regions_at(tuning.shapers, one.pretension) for one in maps]
+        yield picture(
+            residual_vibration_map(maps, [[one.region for one in known] for known in here]),
+            "What is left of a vibration of the held mode after a leg that ends at a pose, by "
+            "the shaper of that pose: the worst over two standard errors of the frequency, "
+            "which is the model's over the height, corrected by the knocks. Without a shaper "
+            "it is 100 % everywhere. About the dashed lines the regions' shapers are blended; "
+            "the cross is the worst place. White is out of reach.",
         )
     limit = float(drive.voltage_limit)
     for one in tuning.predicted:

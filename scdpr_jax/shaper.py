@@ -127,6 +127,23 @@ def convolve(first: Shaper, second: Shaper) -> Shaper:
     return Shaper(times[order], amplitudes[order])
 
 
+def padded(shaper: Shaper, count: int) -> Shaper:
+    """The same shaper with idle impulses at its end, so that shapers can be stacked.
+
+    Args:
+        shaper: The impulses.
+        count: How many there shall be, at least as many as there are.
+
+    Returns:
+        A shaper of so many impulses.
+    """
+    idle = count - shaper.times.size
+    return Shaper(
+        jnp.concatenate([shaper.times, jnp.full(idle, shaper.times[-1])]),
+        jnp.concatenate([shaper.amplitudes, jnp.zeros(idle, dtype=shaper.amplitudes.dtype)]),
+    )
+
+
 def impulse_phasors(
     times: Float[Array, " impulses"],
     *,

@@ -25,6 +25,10 @@ from tuning.margins import Margins as Margins
 from tuning.margins import continuous_margins as continuous_margins
 from tuning.margins import sampled_margins as sampled_margins
 from tuning.plant import MotorPlant as MotorPlant
+from tuning.residual_map import residual_map as residual_map
+from tuning.schedule import ScheduledTrajectory as ScheduledTrajectory
+from tuning.schedule import schedule_of as schedule_of
+from tuning.schedule import scheduled_samples as scheduled_samples
 from tuning.spectrum import Spectrum as Spectrum
 from tuning.spectrum_design import design_for_spectrum as design_for_spectrum
 from tuning.tune import tune as tune

@@ -135,6 +135,7 @@ def _shaper(regional: RegionalShaper) -> dict[str, Any]:
             "y": list(region.y),
             "pretension": list(region.pretension),
         },
+        "height": regional.height,
         "times": shaper.times.tolist(),
         "amplitudes": shaper.amplitudes.tolist(),
         "duration": float(shaper.duration),
@@ -227,6 +228,7 @@ class _Residual(pydantic.BaseModel):
 
 class _Shaper(pydantic.BaseModel):
     region: _Region
+    height: pydantic.FiniteFloat | None = None
     times: list[pydantic.NonNegativeFloat]
     amplitudes: list[pydantic.FiniteFloat]
     residual_vibration: _Residual
@@ -249,8 +251,11 @@ class _Shaper(pydantic.BaseModel):
         return self
 
     def build(self) -> RegionalShaper:
+        # Files from before heights were written tell the region only.
+        height = sum(self.region.y) / 2 if self.height is None else self.height
         return RegionalShaper(
             region=Region(self.region.x, self.region.y, self.region.pretension),
+            height=height,
             shaper=Shaper(self.times, self.amplitudes),
             frequency=self.frequency,
             band=self.band,

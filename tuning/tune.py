@@ -10,7 +10,7 @@ import numpy as np
 from scdpr_jax.controller import PD, published_pd
 from scdpr_jax.drive import drive_gain, drive_pole
 from scdpr_jax.parameters import Robot, exact
-from scdpr_jax.shaper import Shaper, residual_vibration
+from scdpr_jax.shaper import Shaper, padded, residual_vibration
 from tuning.admissible import admissible
 from tuning.catalogue import CATALOGUE
 from tuning.cells import Cell, Frequencies, cells_of, other_modes, robot_in
@@ -31,6 +31,7 @@ from tuning.optimise import (
     unshaped,
 )
 from tuning.plant import MotorPlant
+from tuning.residual_map import worst_in_band
 from tuning.types import (
     FittedSetting,
     Metrics,
@@ -54,8 +55,6 @@ _JUDGED = {
     "largest_original_error": "largest error against the unshaped reference (a shaper delays)",
 }
 """Metrics that a note tells of where they became worse, by their field's name."""
-_BAND_POINTS = 9
-"""Frequencies at which a band is looked at; a shaper of 1 s has no structure between."""
 
 
 @runtime_checkable
@@ -216,42 +215,28 @@ def _candidates(cell: Cell, optimised: Shaper, reference: Cell) -> list[Shaper]:
     fitting = [shaper for shaper in (unshaped(), *designs) if shaper.times.size <= count]
     return [
         Shaper(scale * optimised.times, optimised.amplitudes),
-        *(_padded(shaper, count) for shaper in fitting),
+        *(padded(shaper, count) for shaper in fitting),
     ]
-
-
-def _padded(shaper: Shaper, count: int) -> Shaper:
-    idle = count - shaper.times.size
-    return Shaper(
-        jnp.concatenate([shaper.times, jnp.full(idle, shaper.times[-1])]),
-        jnp.concatenate([shaper.amplitudes, jnp.zeros(idle)]),
-    )
 
 
 def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
     used = np.asarray(shaper.amplitudes) != 0
     kept = Shaper(shaper.times[used], shaper.amplitudes[used])
 
-    def left(frequency: float) -> float:
-        return float(
-            residual_vibration(
-                kept,
-                frequency=jnp.asarray(frequency),
-                damping_ratio=jnp.asarray(cell.damping_ratio),
-            )
-        )
-
+    damping_ratio = jnp.asarray(cell.damping_ratio)
+    nominal = residual_vibration(
+        kept, frequency=jnp.asarray(cell.frequency), damping_ratio=damping_ratio
+    )
+    worst = worst_in_band(kept, band=jnp.asarray(cell.band), damping_ratio=damping_ratio)
     return RegionalShaper(
         region=cell.region,
+        height=cell.height,
         shaper=kept,
         frequency=cell.frequency,
         band=cell.band,
         damping_ratio=cell.damping_ratio,
         measured=cell.measured,
-        residual_vibration=ResidualVibration(
-            nominal=left(cell.frequency),
-            worst=max(left(float(f)) for f in np.linspace(*cell.band, _BAND_POINTS)),
-        ),
+        residual_vibration=ResidualVibration(float(nominal), float(worst)),
     )
 
 
@@ -301,7 +286,7 @@ def _predict(
             voltage=np.asarray(found.run.voltage)[: samples - 1],
         )
 
-    before, run_before = simulate(published_pd(), _padded(unshaped(), count))
+    before, run_before = simulate(published_pd(), padded(unshaped(), count))
     after, run_after = simulate(controller, shaper)
     name = f"horizontal manoeuvre, {leg_time:g} s a leg"
     return Prediction(name, before, after, run_before, run_after)

@@ -58,6 +58,8 @@ class RegionalShaper:
 
     region: Region
     """Where it holds."""
+    height: float = dataclasses.field(metadata=si("m", "y_e"))
+    """Height at which its frequency holds [m]."""
     shaper: Shaper
     """The impulses."""
     frequency: float = dataclasses.field(metadata=si("Hz", "f_n"))

@@ -305,6 +305,7 @@ def tuning():
         shapers=(
             RegionalShaper(
                 region=Region(x=(0.0, 2.2), y=(0.0, 1.1), pretension=(350.0, 350.0)),
+                height=0.55,
                 shaper=shaper,
                 frequency=FREQUENCY,
                 band=(3.1, 3.3),

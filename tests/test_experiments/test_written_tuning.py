@@ -12,6 +12,7 @@ from tuning.types import FittedSetting, Region, RegionalShaper, ResidualVibratio
 
 SHAPER = RegionalShaper(
     Region((0.0, 2.2), (0.0, 1.1), (350.0, 350.0)),
+    0.55,
     Shaper([0.0, 0.157], [0.51, 0.49]),
     3.2,
     (3.1, 3.3),

@@ -30,7 +30,7 @@ def tuning():
     margins = jax.jit(sampled_margins)(published_plant(), published_pd())
     region = Region((0.0, 2.224), (0.0, 1.112), (350.0, 350.0))
     left = ResidualVibration(0.05, 0.051)
-    shaper = RegionalShaper(region, ei(3.1, 0.0), 3.1, (3.09, 3.11), 0.0, True, left)
+    shaper = RegionalShaper(region, 0.6, ei(3.1, 0.0), 3.1, (3.09, 3.11), 0.0, True, left)
     predicted = Prediction("horizontal", METRICS, METRICS)
     robots = (FittedSetting(350.0, consistent()),)
     worst = (
@@ -61,6 +61,11 @@ def test_a_robot_from_before_refinements_is_read(tuning, tmp_path):
         tuning, tmp_path, lambda d: d["robots"][0]["parameters"].pop("loop_stiffness")
     )
     assert float(read_tuning(path).robot_at().robot.cable.stiffness) == 0.0
+
+
+def test_a_shaper_from_before_heights_stands_for_the_middle_of_its_region(tuning, tmp_path):
+    path = broken(tuning, tmp_path, lambda d: d["shapers"][0].pop("height"))
+    assert read_tuning(path).shapers[0].height == 1.112 / 2
 
 
 def test_a_setting_without_a_fitted_robot_is_refused(tuning):

@@ -16,6 +16,7 @@ from scdpr_jax.shaper import shape_samples
 from scdpr_jax.trajectory import rest_to_rest
 from tuning.export.c_header import c_header
 from tuning.export.description import describe
+from tuning.schedule import schedule_of, scheduled_samples
 
 CAMPAIGNS = pathlib.Path(__file__).parents[2].parent / "shared" / "data" / "campaigns"
 COMPILER = shutil.which("cc")
@@ -34,13 +35,30 @@ static int regions(void)
     return 0;
 }
 
+/* References and the places whose shapers count in, scheduled references out. */
+static int scheduled(double pretension)
+{
+    static scdpr_schedule schedule;
+    double in[4], shaped[2];
+    int samples = 0;
+    while (scanf("%lf %lf %lf %lf", in, in + 1, in + 2, in + 3) == 4) {
+        if (samples++ == 0)
+            scdpr_schedule_init(&schedule, scdpr_setting_at(pretension), in);
+        scdpr_schedule_step(&schedule, in + 2, in, shaped);
+        printf("%.17g %.17g\n", shaped[0], shaped[1]);
+    }
+    return 0;
+}
+
 /* References, angles and feed-forward in; shaped reference, its angles and commands out. */
 int main(int count, char **arguments)
 {
     static scdpr_shaper shaper;
     scdpr_pd pd;
-    double in[6], origin[2], shaped[2], wanted[2], voltage[2];
+    double in[6], origin[2], shaped[2], wanted[2], voltage[2], pretension;
     int number, samples = 0;
+    if (count == 3 && sscanf(arguments[2], "%lf", &pretension) == 1)
+        return scheduled(pretension);
     if (count != 2 || sscanf(arguments[1], "%d", &number) != 1)
         return regions();
     while (scanf("%lf %lf %lf %lf %lf %lf", in, in + 1, in + 2, in + 3, in + 4, in + 5) == 6) {
@@ -136,6 +154,41 @@ def test_every_shaper_shapes_as_shape_samples_does(program, tuning, rows):
         shaped = run(program, rows, str(number))[:, :2]
         expected = shape(regional.shaper, jnp.asarray(rows[:, :2]), tuning.controller.period)
         assert np.max(np.abs(shaped - np.asarray(expected))) <= 1e-12  # m
+
+
+@pytest.fixture(scope="module")
+def crossing(tuning):
+    """A leg through all regions, then rest."""
+    leg = rest_to_rest((0.2, 0.1), (2.0, 1.0), duration=0.8)
+    return np.asarray(jax.vmap(leg.position)(tuning.controller.period * jnp.arange(1500.0)))
+
+
+@jax.jit
+def schedule_samples(schedule, samples, places, period):
+    return scheduled_samples(schedule, samples, places=places, period=period)
+
+
+@pytest.mark.parametrize("pretension", [350.0, 150.0])
+@pytest.mark.parametrize("where", ["on the way", "anywhere", "at the end"])
+def test_the_schedule_blends_as_scheduled_samples_does(
+    program, tuning, crossing, pretension, where
+):
+    places = {
+        "on the way": crossing,
+        "anywhere": np.random.default_rng(3).uniform(-0.3, 2.5, crossing.shape),
+        "at the end": np.broadcast_to(np.array([1.0, 0.5]), crossing.shape),
+    }[where]
+    schedule = schedule_of(tuning.shapers, pretension)
+    given = (jnp.asarray(crossing), jnp.asarray(places), tuning.controller.period)
+    expected = np.asarray(schedule_samples(schedule, *given))
+    rows = np.column_stack([crossing, places])
+    found = run(program, rows, "scheduled", str(pretension))
+    assert np.max(np.abs(found - expected)) <= 1e-12  # m
+
+
+def test_the_schedule_of_a_setting_that_was_not_tuned_passes_references(program, crossing):
+    rows = np.column_stack([crossing, crossing])
+    assert np.array_equal(run(program, rows, "scheduled", "400"), crossing)
 
 
 def test_commands_are_those_of_the_saturated_pd(program, tuning, rows):

@@ -14,21 +14,26 @@ WIDTH, HEIGHT = 2.224, 1.112  # m, of the frame
 MARGINS = (40.0, 1.0, 0.025, 700.0, 30.0, 1.3)  # made up: no export carries them
 
 
-def tuning_of(controller, robot, shapers):
-    """Regions side by side, at two settings of the pretension."""
-    step = WIDTH / len(shapers)
+def tuning_of(controller, robot, shapers, *, columns):
+    """A grid of regions at some settings of the pretension, and one for all at more."""
+    rows = (len(shapers) - 1) // columns
     regions = [
-        Region((step * i, step * (i + 1)), (0.0, HEIGHT), (200.0, 350.0))
-        for i in range(len(shapers))
+        Region(
+            (WIDTH * i / columns, WIDTH * (i + 1) / columns),
+            (HEIGHT * j / rows, HEIGHT * (j + 1) / rows),
+            (200.0, 350.0),
+        )
+        for j in range(rows)
+        for i in range(columns)
     ]
     # A pose that lies in two of them: the first counts.
-    regions[-1] = Region((0.5 * step, WIDTH), (0.3, HEIGHT), (100.0, 350.0))
+    regions.append(Region((0.0, WIDTH), (0.0, HEIGHT), (100.0, 350.0)))
     left = ResidualVibration(0.01, 0.05)
     return Tuning(
         controller=controller,
         margins=Margins(*(jnp.asarray(number) for number in MARGINS)),
         shapers=tuple(
-            RegionalShaper(region, shaper, 3.1, (3.0, 3.2), 0.01, True, left)
+            RegionalShaper(region, 0.5, shaper, 3.1, (3.0, 3.2), 0.01, True, left)
             for region, shaper in zip(regions, shapers, strict=True)
         ),
         predicted=(),
@@ -46,7 +51,7 @@ def plain():
         # Later and closer together than a sample.
         Shaper([0.00031, 0.00078, 0.00205], [0.5, 0.2, 0.3]),
     )
-    return tuning_of(published_pd(), exact(consistent()), shapers)
+    return tuning_of(published_pd(), exact(consistent()), shapers, columns=2)
 
 
 def filtered():
@@ -55,7 +60,8 @@ def filtered():
         consistent(),
         {"effective_radius": 0.05, "voltage_limit": 6.0, "drive_inertia": 0.03},
     )
-    return tuning_of(PD(61.0, 1.3, 2e-3, 5e-3), exact(rig), (zv(3.9, 0.1), ei(2.4, 0.0)))
+    shapers = (zv(3.9, 0.1), ei(2.4, 0.0))
+    return tuning_of(PD(61.0, 1.3, 2e-3, 5e-3), exact(rig), shapers, columns=1)
 
 
 TUNINGS = (plain(), filtered())

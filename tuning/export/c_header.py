@@ -2,10 +2,12 @@
 
 import dataclasses
 import math
+from collections.abc import Sequence
 
 from scdpr_jax.shaper import Shaper
 from tuning.export.description import Constants, Description, decimal
 from tuning.export.template import fill_in
+from tuning.schedule import grids_of, handover_widths
 from tuning.types import Range, RegionalShaper
 
 FILE = "scdpr_controller.h"
@@ -18,20 +20,24 @@ def c_header(description: Description) -> str:
     Functions are `static inline` on states that the caller owns; tables are `static const`.
     The controller is `scdpr_jax.controller.PD` with `saturate`, a shaper step is one sample
     of `scdpr_jax.shaper.shape_samples`: an impulse between two samples takes its share of
-    both.
+    both. A schedule step is one of `tuning.schedule.scheduled_samples`.
 
     Args:
         description: What is exported.
 
     Returns:
         C99 text.
+
+    Raises:
+        ValueError: If the regions of the shapers at a setting aren't a grid.
     """
     period = description.constants.period
     shapers = description.shapers
     tables = [
         _table(number, regional.shaper, period) for number, regional in enumerate(shapers)
     ]
-    regions = [_region(number, regional) for number, regional in enumerate(shapers)]
+    grids = grids_of(shapers)
+    regions = [_region(number, regional, grids) for number, regional in enumerate(shapers)]
     return fill_in(
         FILE,
         constants="\n".join(_define(description.constants, field) for field in _FIELDS),
@@ -72,11 +78,26 @@ def _impulse(delay: float, amplitude: float, time: float) -> str:
     return f"    {{{cells}}}, /* {decimal(time)} s */"
 
 
-def _region(number: int, regional: RegionalShaper) -> str:
+def _region(
+    number: int, regional: RegionalShaper, grids: dict[Range, tuple[RegionalShaper, ...]]
+) -> str:
     region = regional.region
-    spans = ", ".join(_span(span) for span in (region.x, region.y, region.pretension))
-    count = regional.shaper.times.size
-    return f"    {{{spans}, {count}, scdpr_impulses_{number}}},"
+    here = [one.region for one in grids[region.pretension]]
+    cells = [
+        *(_span(span) for span in (region.x, region.y, region.pretension)),
+        str(list(grids).index(region.pretension)),
+        _handover(region.x, [one.x for one in here]),
+        _handover(region.y, [one.y for one in here]),
+        str(regional.shaper.times.size),
+        f"scdpr_impulses_{number}",
+    ]
+    return f"    {{{', '.join(cells)}}},"
+
+
+def _handover(span: Range, spans: Sequence[Range]) -> str:
+    """Widths of the hand-overs at both ends of a stretch, 0 at an edge of the frame."""
+    low, high = (handover_widths(spans).get(end, 0.0) for end in span)
+    return _span((low, high))
 
 
 def _span(span: Range) -> str:

@@ -27,7 +27,8 @@ def write_exports(folder: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, .
         The files.
 
     Raises:
-        ValueError: If the tuning has no fitted robot, or no shaper.
+        ValueError: If the tuning has no fitted robot, or no shaper, or the regions of its
+            shapers at a setting aren't a grid.
     """
     description = describe(tuning)
     # Every text is made before the first is written.
