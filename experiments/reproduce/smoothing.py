@@ -31,8 +31,9 @@ UNKNOWNS = ("friction_coefficient", "effective_pretension", "drive_inertia", "dr
 SYMBOLS = ("μ", "T", "J", "b")
 """Their symbols."""
 
-WIDTHS = tuple(np.geomspace(1e-4, 1e-1, 10).tolist())
-"""Widths of the smoothed friction [m/s]; the default is among them."""
+_DEFAULT = 3
+WIDTHS = tuple((SMOOTHING_WIDTH * 10 ** ((np.arange(10) - _DEFAULT) / 3)).tolist())
+"""Widths of the smoothed friction, three a decade, with the default among them [m/s]."""
 
 WANTED = 1e-3
 """Relative error of the friction coefficient that a fit on good logs is to reach [1]."""
@@ -49,7 +50,6 @@ needs."""
 
 _FRAME = 1e-2
 _SIDEWAYS = np.array([0, 2, 3])
-_DEFAULT = int(np.argmin(np.abs(np.array(WIDTHS) - SMOOTHING_WIDTH)))
 _DIFFERENCE = 1e-4
 
 
@@ -134,7 +134,9 @@ def smooth_model(runs: Pulls, *, width: float) -> Model:
     return motion
 
 
-def bias(model: Model, seen: Float[np.ndarray, "runs frames 5"]) -> Float[np.ndarray, "4"]:
+def bias(
+    model: Model, seen: Float[np.ndarray, "runs frames 5"]
+) -> Float[np.ndarray, " unknowns"]:
     """By how much a model's fit to the true motion misses the true unknowns.
 
     Args:
@@ -162,7 +164,9 @@ def bias(model: Model, seen: Float[np.ndarray, "runs frames 5"]) -> Float[np.nda
         # A ten-thousandth of the noise that the camera would have in one frame.
         decrement=1e-8,
     )
-    return np.expm1(found.point) if found.ended == "converged" else np.full(4, np.nan)
+    return (
+        np.expm1(found.point) if found.ended == "converged" else np.full_like(AT_TRUTH, np.nan)
+    )
 
 
 def gradient_error(found: Motion, truth: Motion, *, frame: int) -> float:

@@ -3,16 +3,22 @@
 import numpy as np
 import pytest
 
+from experiments.figures.paper.smoothing import draw_smoothing
 from experiments.reproduce.smoothing import (
     AT_TRUTH,
+    STEPS,
+    WIDTHS,
+    Errors,
     Motion,
     Pulls,
+    Smoothing,
     bias,
     difference_error,
     exact_model,
     gradient_error,
     smooth_model,
 )
+from scdpr_jax.parameters import SMOOTHING_WIDTH
 
 PULL = Pulls(np.array([[0.5, 0.4]]), np.array([6.0]), pulled=0.2, length=1.0)
 EXACT = exact_model(PULL, step=5e-3)
@@ -75,3 +81,32 @@ def test_fit_that_does_not_converge_has_no_estimate(truth):
         return Motion(found.position, -found.derivative, found.steps)
 
     assert np.all(np.isnan(bias(uphill, truth.position)))
+
+
+def proportional(slope):
+    by_width = tuple(
+        Errors(slope * width * np.array([1.0, -0.1, 0.2, -0.1]), width, 10 * width, 1 / width)
+        for width in WIDTHS
+    )
+    exact = tuple(Errors(np.full(4, 1e-9), 0.0, 0.0, 1 / step) for step in STEPS)
+    return Smoothing(by_width, exact, 0.0)
+
+
+def test_power_of_a_proportional_bias_is_one():
+    assert proportional(2.0).order == pytest.approx(1.0)
+
+
+def test_wanted_width_is_where_the_bias_is_what_is_wanted():
+    assert proportional(2.0).width_for_wanted == pytest.approx(0.5e-3)
+
+
+def test_default_width_is_among_those_compared():
+    assert proportional(2.0).default.sliding == pytest.approx(SMOOTHING_WIDTH)
+
+
+def test_both_panels_mark_the_default_width_and_have_units():
+    for axes in draw_smoothing(proportional(2.0)).axes:
+        assert "[m/s]" in axes.get_xlabel()
+        assert axes.get_ylabel().endswith("]")
+        assert [text.xy[0] for text in axes.texts] == [SMOOTHING_WIDTH]
+        assert axes.get_xscale() == axes.get_yscale() == "log"
