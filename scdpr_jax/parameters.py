@@ -343,7 +343,12 @@ def with_friction(robot: Robot, *, lower: Friction, upper: Friction) -> Robot:
     )
 
 
-def smoothed(robot: Robot, *, width: float = 1e-3) -> Robot:
+SMOOTHING_WIDTH = 1e-3
+"""Velocity over which `smoothed` lets friction turn round unless it is told another [m/s];
+`scdpr reproduce smoothing` has what it costs a fit."""
+
+
+def smoothed(robot: Robot, *, width: float = SMOOTHING_WIDTH) -> Robot:
     """The robot with smoothed Coulomb friction of its coefficients on both carriages.
 
     Args:

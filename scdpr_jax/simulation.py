@@ -8,15 +8,18 @@ ahead of `diffrax.Kvaerno5()` down to a width of 1e-5 m/s, where both take as lo
 Derivatives: the default adjoint is for reverse mode (`jax.grad`, `jax.vjp`); for forward
 mode (`jax.jvp`, `jax.jacfwd`) pass `adjoint=diffrax.ForwardMode()`. Explicit solvers of
 loose tolerance have wrong derivatives on stiff friction, without a word: see
-`docs/validity.md`.
+`docs/validity.md`. `smooth_sensitivities` solves for the derivatives as it does for the
+motion, and has right ones on stiff friction too.
 """
 
 from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar
 
 import diffrax
 import equinox as eqx
+import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from scdpr_jax.closed_loop import ClosedLoop, sampled_loop
 from scdpr_jax.controller import Controller
@@ -26,6 +29,13 @@ from scdpr_jax.friction import Coulomb
 from scdpr_jax.parameters import Robot
 from scdpr_jax.sensors import Encoder
 from scdpr_jax.stepping import Inputs
+
+_Held = Callable[[Float[Array, ""]], tuple[Float[Array, "2"], Float[Array, ""]]]
+"""Commands [V] and knock [N] as a function of time."""
+
+_X = TypeVar("_X")
+_Field = Callable[[Float[Array, ""], _X, None], _X]
+"""The time derivative of something that is solved for."""
 
 
 def simulate_smooth(
@@ -69,29 +79,114 @@ def simulate_smooth(
             `jax.jit` wraps the same message in an error of its own.
     """
     _require_smooth(robot)
-    knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
-
-    def held(time: Float[Array, ""]) -> tuple[Float[Array, "2"], Float[Array, ""]]:
-        interval = jnp.searchsorted(times, time, side="right") - 1
-        interval = jnp.clip(interval, 0, voltage.shape[0] - 1)
-        return voltage[interval], knock[interval]
-
-    pid = diffrax.PIDController(rtol=rtol, atol=atol)
-    jumps = _jumps(jnp.concatenate([voltage, knock[:, None]], axis=1), times)
-    solution = diffrax.diffeqsolve(
-        _equations(robot, held),
-        diffrax.Tsit5() if solver is None else solver,
-        t0=times[0],
-        t1=times[-1],
-        dt0=None,
-        y0=start,
-        saveat=diffrax.SaveAt(ts=save_at),
-        stepsize_controller=diffrax.ClipStepSizeController(pid, jump_ts=jumps),
+    solution = _solve(
+        lambda held: _equations(robot, held),
+        start,
+        voltage=voltage,
+        times=times,
+        knock=knock,
+        save_at=save_at,
+        solver=solver,
+        rtol=rtol,
+        atol=atol,
         max_steps=max_steps,
-        adjoint=diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
-        throw=False,
+        adjoint=adjoint,
     )
     return _unless_given_up(solution, max_steps)
+
+
+class Sensitivities(NamedTuple):
+    """A trajectory with smooth friction and its derivatives by the robot's unknowns."""
+
+    states: State
+    """States at the wanted times."""
+    derivatives: State
+    """Their derivatives, an axis of the unknowns after that of the times."""
+    steps: Int[Array, ""]
+    """Steps that the solver tried."""
+
+
+def smooth_sensitivities(
+    robot_of: Callable[[Float[Array, " unknowns"]], Robot],
+    start: State,
+    *,
+    unknowns: Float[Array, " unknowns"],
+    voltage: Float[Array, "intervals 2"],
+    times: Float[Array, " intervals+1"],
+    knock: Float[Array, " intervals"] | None = None,
+    save_at: Float[Array, " saved"],
+    solver: diffrax.AbstractSolver | None = None,
+    rtol: float | Float[Array, ""] = 1e-7,
+    atol: float | Float[Array, ""] = 1e-9,
+    max_steps: int = 100_000,
+) -> Sensitivities:
+    r"""Trajectory of the robot with smooth friction, and what its unknowns do to it.
+
+    The variational equations of $\dot x = f(x, p)$ are solved beside the motion, and the
+    steps are chosen for both:
+
+    $$ \dot s_k = \frac{\partial f}{\partial x} s_k + \frac{\partial f}{\partial p_k},
+       \qquad s_k = \frac{\partial x}{\partial p_k} $$
+
+    Derivatives through the steps of `simulate_smooth` have no such control.
+
+    Reference: E. Hairer, S. P. Nørsett, G. Wanner, "Solving Ordinary Differential Equations
+    I", 2nd ed., 1993, section I.14, doi:10.1007/978-3-540-78862-1.
+
+    Args:
+        robot_of: The robot of some unknowns, with smooth friction laws on both carriages.
+        start: State at the first time, which doesn't depend on the unknowns.
+        unknowns: Where the derivatives are wanted [in the units of `robot_of`].
+        voltage: Commands to the two drives, held in the intervals of a time grid [V].
+        times: Ends of these intervals, ascending, one more than intervals [s].
+        knock: Horizontal force on the end-effector in the intervals [N]; `None` for none.
+        save_at: Times of the wanted states, ascending and within the grid [s].
+        solver: The method; `diffrax.Tsit5()` by default.
+        rtol: Relative tolerance of a step [1].
+        atol: Absolute tolerance of a step [m, rad, m/s, rad/s], and of the derivatives.
+        max_steps: Most steps of the solve.
+
+    Returns:
+        States at the wanted times, their derivatives, and the number of steps.
+
+    Raises:
+        TypeError: If a carriage has exact `Coulomb` friction.
+        RuntimeError: If the solver gives up; under `equinox.filter_jit` too, while plain
+            `jax.jit` wraps the same message in an error of its own.
+    """
+    _require_smooth(robot_of(unknowns))
+    directions = jnp.eye(unknowns.size, dtype=unknowns.dtype)
+
+    def variational(held: _Held) -> _Field[tuple[State, State]]:
+        def field(
+            time: Float[Array, ""], both: tuple[State, State], _: None
+        ) -> tuple[State, State]:
+            state, derivatives = both
+
+            def motion(at: State, of: Float[Array, " unknowns"]) -> State:
+                return _equations(robot_of(of), held)(time, at, None)
+
+            slope, along = jax.linearize(motion, state, unknowns)
+            return slope, jax.vmap(along)(derivatives, directions)
+
+        return field
+
+    fixed = jax.tree.map(lambda x: jnp.zeros((unknowns.size, *x.shape), x.dtype), start)
+    solution = _solve(
+        variational,
+        (start, fixed),
+        voltage=voltage,
+        times=times,
+        knock=knock,
+        save_at=save_at,
+        solver=solver,
+        rtol=rtol,
+        atol=atol,
+        max_steps=max_steps,
+        adjoint=None,
+    )
+    states, derivatives = _unless_given_up(solution, max_steps)
+    return Sensitivities(states, derivatives, solution.stats["num_steps"])
 
 
 def simulate_closed_loop(
@@ -142,7 +237,7 @@ def simulate_closed_loop(
 
     def advance(state: State, inputs: Inputs) -> State:
         solution = diffrax.diffeqsolve(
-            _equations(robot, lambda _: (inputs.voltage, inputs.knock)),
+            diffrax.ODETerm(_equations(robot, lambda _: (inputs.voltage, inputs.knock))),
             diffrax.Tsit5() if solver is None else solver,
             t0=jnp.zeros_like(inputs.duration),
             t1=inputs.duration,
@@ -169,10 +264,46 @@ def simulate_closed_loop(
     )
 
 
-def _equations(
-    robot: Robot,
-    held: Callable[[Float[Array, ""]], tuple[Float[Array, "2"], Float[Array, ""]]],
-) -> diffrax.ODETerm:
+def _solve(
+    field_of: Callable[[_Held], _Field[_X]],
+    start: _X,
+    *,
+    voltage: Float[Array, "intervals 2"],
+    times: Float[Array, " intervals+1"],
+    knock: Float[Array, " intervals"] | None,
+    save_at: Float[Array, " saved"],
+    solver: diffrax.AbstractSolver | None,
+    rtol: float | Float[Array, ""],
+    atol: float | Float[Array, ""],
+    max_steps: int,
+    adjoint: diffrax.AbstractAdjoint | None,
+) -> diffrax.Solution:
+    """The solution, whole or given up, of equations under held inputs."""
+    knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
+
+    def held(time: Float[Array, ""]) -> tuple[Float[Array, "2"], Float[Array, ""]]:
+        interval = jnp.searchsorted(times, time, side="right") - 1
+        interval = jnp.clip(interval, 0, voltage.shape[0] - 1)
+        return voltage[interval], knock[interval]
+
+    pid = diffrax.PIDController(rtol=rtol, atol=atol)
+    jumps = _jumps(jnp.concatenate([voltage, knock[:, None]], axis=1), times)
+    return diffrax.diffeqsolve(
+        diffrax.ODETerm(field_of(held)),
+        diffrax.Tsit5() if solver is None else solver,
+        t0=times[0],
+        t1=times[-1],
+        dt0=None,
+        y0=start,
+        saveat=diffrax.SaveAt(ts=save_at),
+        stepsize_controller=diffrax.ClipStepSizeController(pid, jump_ts=jumps),
+        max_steps=max_steps,
+        adjoint=diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
+        throw=False,
+    )
+
+
+def _equations(robot: Robot, held: _Held) -> _Field[State]:
     """The equations of motion under inputs that are a function of time."""
 
     def field(time: Float[Array, ""], state: State, _: None) -> State:
@@ -180,7 +311,7 @@ def _equations(
         torque = motor_torque(robot.drive, voltage)
         return State(state.velocity, accelerations(robot, state, torque=torque, knock=knock))
 
-    return diffrax.ODETerm(field)
+    return field
 
 
 def _jumps(
@@ -193,8 +324,8 @@ def _jumps(
     return jnp.sort(jnp.append(jnp.where(changes, times[1:-1], never), never))
 
 
-def _unless_given_up(solution: diffrax.Solution, max_steps: int) -> State:
-    """The states of a solution, raising where the solver didn't reach its end."""
+def _unless_given_up(solution: diffrax.Solution, max_steps: int) -> Any:
+    """What a solution found, raising where the solver didn't reach its end."""
     ran_out = solution.result == diffrax.RESULTS.max_steps_reached
     states = eqx.error_if(
         solution.ys,

@@ -1,3 +1,5 @@
+from functools import partial
+
 import diffrax
 import equinox as eqx
 import jax
@@ -10,9 +12,13 @@ from scdpr_jax.closed_loop import closed_loop
 from scdpr_jax.controller import published_pd
 from scdpr_jax.drive import motor_torque
 from scdpr_jax.dynamics import State, dampings, energy, pulley_rates, rest
-from scdpr_jax.parameters import exact, replace, smoothed
+from scdpr_jax.parameters import exact, replace, smoothed, value
 from scdpr_jax.prototype import consistent
-from scdpr_jax.simulation import simulate_closed_loop, simulate_smooth
+from scdpr_jax.simulation import (
+    simulate_closed_loop,
+    simulate_smooth,
+    smooth_sensitivities,
+)
 from scdpr_jax.trajectory import table_3
 
 ROBOT = consistent()
@@ -139,6 +145,8 @@ def test_exact_friction_is_sent_to_the_fixed_grid():
         simulate_smooth(ROBOT, START, voltage=STEP, times=TIMES, save_at=TIMES)
     with pytest.raises(TypeError, match=r"lower_carriage.*Coulomb.*smoothed\(robot"):
         simulate_closed_loop(ROBOT, START, published_pd(), reference=jnp.ones((2, 2)))
+    with pytest.raises(TypeError, match=r"lower_carriage.*Coulomb.*smoothed\(robot"):
+        sensitive(ROBOT, jnp.zeros(3))
 
 
 WANTED = np.array([0, 250, 1000, 2000])
@@ -220,6 +228,45 @@ def test_reverse_derivatives_of_the_adaptive_solver_are_the_forward_ones(forward
     slopes = jnp.stack([forward(SCALES, unit)[1] for unit in jnp.eye(3)])
     # Both differentiate the same steps.
     assert jnp.abs(slopes - found).max() <= 1e4 * np.finfo(float).eps
+
+
+UNKNOWNS = ("friction_coefficient", "effective_pretension", "drive_inertia")
+PUSH = {
+    "voltage": jnp.array([[9.0, 7.0], [0.0, 0.0]]),
+    "times": jnp.array([0.0, 0.2, 0.8]),
+    "save_at": jnp.array([0.2, 0.8]),
+    "rtol": 1e-9,
+    "atol": 1e-9,
+}
+
+
+def scaled(robot, logs):
+    nominal = jnp.stack([value(ROBOT, name) for name in UNKNOWNS])
+    return replace(robot, dict(zip(UNKNOWNS, nominal * jnp.exp(logs), strict=True)))
+
+
+@jax.jit
+def sensitive(robot, logs):
+    return smooth_sensitivities(partial(scaled, robot), START, unknowns=logs, **PUSH)
+
+
+# At the narrow width those through an adaptive solver's steps explode, docs/validity.md.
+@pytest.mark.parametrize("width", [1e-2, 1e-4])
+@pytest.mark.parametrize("unknown", range(len(UNKNOWNS)))
+def test_sensitivities_are_differences_of_the_motion(unknown, width):
+    robot, shift = smoothed(ROBOT, width=width), 1e-4 * jnp.eye(3)[unknown]
+    above, below = (sensitive(robot, logs).states.position for logs in (shift, -shift))
+    found = sensitive(robot, jnp.zeros(3)).derivatives.position[:, unknown]
+    # Some hundred steps of the tolerance over the difference.
+    assert jnp.abs(found - (above - below) / 2e-4).max() <= 100 * 1e-9 / 1e-4
+    assert jnp.abs(found).max() > 1e-2
+
+
+def test_sensitivities_come_with_the_motion_that_they_are_of():
+    robot = smoothed(ROBOT, width=1e-2)
+    alone = jax.jit(lambda robot: simulate_smooth(robot, START, **PUSH))(robot)
+    found = sensitive(robot, jnp.zeros(3)).states
+    assert jnp.abs(found.position - alone.position).max() <= 100 * 1e-9
 
 
 @pytest.fixture(scope="module")

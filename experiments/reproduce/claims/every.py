@@ -1,4 +1,4 @@
-"""One list of every number that the paper prints."""
+"""One list of every number that the paper prints, and of what we say of smoothed friction."""
 
 from experiments.reproduce.claim import Claim
 from experiments.reproduce.claims.breakaway import BREAKAWAY
@@ -7,6 +7,7 @@ from experiments.reproduce.claims.loop import LOOP
 from experiments.reproduce.claims.manoeuvres import MANOEUVRES
 from experiments.reproduce.claims.open_loop import OPEN_LOOP
 from experiments.reproduce.claims.prototype import PROTOTYPE
+from experiments.reproduce.claims.smoothing import SMOOTHING
 from experiments.reproduce.claims.statements import STATEMENTS
 from experiments.reproduce.claims.workspace import WORKSPACE
 
@@ -19,8 +20,9 @@ CLAIMS: tuple[Claim, ...] = (
     *LOOP,
     *MANOEUVRES,
     *STATEMENTS,
+    *SMOOTHING,
 )
-"""Every claim, in the paper's order."""
+"""Every claim, in the paper's order; last those of our own documentation."""
 
 
 def of_section(name: str) -> tuple[Claim, ...]:
