@@ -30,8 +30,7 @@ def plan(
         begin: Where the end-effector rests, "0.3 m, 0.55 m".
         to: Where it is to go, "1.9 m, 0.55 m".
         out: The table to write, plan.csv; a page with the same name, plan.html, shows it.
-        leg_time: Time of the leg, "2 s"; default: 2 s, or as much longer as the
-            drives need.
+        leg_time: Time of the leg, "2 s"; default: 2 s, or what the drives need.
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
     """
     set_up()
