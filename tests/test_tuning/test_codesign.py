@@ -235,6 +235,7 @@ def test_the_knee_is_one_of_the_front(designs):
     assert any(knee(designs) is one for one in designs)
 
 
+@pytest.mark.slow
 def test_a_move_that_the_drives_cant_do_is_refused(within, few_lanes):
     with pytest.raises(ValueError, match="too short for the drives"):
         front(SEEN, within, move_times=(1.0,))
