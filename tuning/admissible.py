@@ -80,16 +80,17 @@ class Admissible(eqx.Module):
         """
         nodes = np.asarray(self.crossover)
         least, most = (np.interp(crossover, nodes, b) for b in (self.lowest, self.highest))
-        wished = (
-            (crossover - nodes[0]) / (nodes[-1] - nodes[0]),
-            (phase_margin - least) / (most - least),
-        )
-        first, second = (float(np.clip(one, _INSIDE, 1 - _INSIDE)) for one in wished)
-        return first, second
+        return _share(crossover, nodes[0], nodes[-1]), _share(phase_margin, least, most)
 
 
 _INSIDE = 0.03
 """Share that a start keeps from a bound, where a logit has no slope [1]."""
+
+
+def _share(wish: float, low: float, high: float) -> float:
+    # Bounds that meet leave nothing to choose.
+    share = (wish - low) / (high - low) if high > low else 0.5
+    return float(np.clip(share, _INSIDE, 1 - _INSIDE))
 
 
 def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admissible:

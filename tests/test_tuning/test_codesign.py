@@ -95,6 +95,7 @@ def test_where_no_gains_keep_the_margins_the_most_damped_are_left():
     heavy = replace(ROBOT, {"end_effector_mass": 4000.0})
     found = admissible([heavy, heavy], HEIGHTS)
     np.testing.assert_array_equal(found.lowest, found.highest)
+    assert found.share(25.0, 1.0) == (0.03, 0.5)
 
 
 def test_the_bounds_are_no_further_than_the_margins_ask(within):
