@@ -90,7 +90,10 @@ def by_differences(model, nominal, unknown):
     return (8 * inner - outer) / (12 * WIDTH)
 
 
-@pytest.fixture(scope="module", params=MODELS)
+# The linear engine's take a minute to compile: `test_linear_stepping` is their quick share.
+@pytest.fixture(
+    scope="module", params=[pytest.param("linear", marks=pytest.mark.slow), "nonlinear"]
+)
 def derivative(request):
     """A function of nominal values, unknown and parts; compiled once for each of the parts."""
     engine = MODELS[request.param][0]
