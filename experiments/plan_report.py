@@ -7,7 +7,7 @@ from experiments.console_text import print_lines, rich_table
 from experiments.figures.leg import leg
 from experiments.number_text import plain
 from experiments.page import Pictures, page, versions
-from experiments.planned_leg import SETTLED, Compared, LegFigures
+from experiments.planned_leg import SETTLED, SIDES, Compared, LegFigures
 from experiments.tuning_section import Table
 from tuning.plan_file import Plan
 
@@ -17,7 +17,7 @@ _METHOD = (
     "through the simulation with exact friction, so that everything comes to rest at the "
     "target at one moment: for the fitted robot and for the others of the table at once.",
     "Both legs are simulated at the controller's rate on the fitted nonlinear robot: the "
-    "plain one with the reference of Eq. (21) in the plan's time under the PD of Eq. (25), "
+    "plain one with the curve of section 6.2 in the plan's time under the PD of Eq. (25), "
     "the plan under its own gains. After the reference's end it is held.",
     "The resting error is that of the line between the carriages, on which the end-effector "
     "comes to rest. The largest error is against each leg's own reference, Eq. (26).",
@@ -64,7 +64,6 @@ def tables(compared: Compared) -> tuple[Table, Table]:
     Returns:
         Two tables.
     """
-    sides = (("plain profile, Eq. (25)", compared.plain), ("planned", compared.planned))
     fitted = Table(
         "The leg, simulated on the fitted robot",
         (
@@ -75,7 +74,10 @@ def tables(compared: Compared) -> tuple[Table, Table]:
             "largest error, Eq. (26) [mm]",
             "largest command [V]",
         ),
-        tuple((name, *_cells(runs[0].figures)) for name, runs in sides),
+        tuple(
+            (name, *_cells(runs[0].figures))
+            for name, runs in zip(SIDES, (compared.plain, compared.planned), strict=True)
+        ),
     )
     others = Table(
         "Robots as they might be",

@@ -15,12 +15,14 @@ from scdpr_jax.parameters import Robot
 from scdpr_jax.trajectory import rest_to_rest
 from tuning.following import Scenario, begin
 from tuning.plan_file import Plan
-from tuning.planning import SCENARIOS, Progress, plan_leg
+from tuning.planning import SCENARIOS, Progress, plan_leg, scenarios
 
 AFTERWARDS = 1.5
 """Time that is looked at after the leg [s]."""
 SETTLED = 5e-3
 """Distance from the target within which a leg has settled [m]."""
+SIDES = ("plain profile, Eq. (25)", "planned")
+"""Names of what is compared, for tables and legends."""
 
 
 def make(
@@ -143,8 +145,9 @@ def _runs(
     led, reference, feedforward = (
         np.pad(part, held, mode="edge") for part in (led, reference, feedforward)
     )
-    scenarios = Scenario(*(jnp.asarray(column) for column in zip(*SCENARIOS, strict=True)))
-    found = _simulated(robot, controller, scenarios, jnp.asarray(led), jnp.asarray(feedforward))
+    found = _simulated(
+        robot, controller, scenarios(), jnp.asarray(led), jnp.asarray(feedforward)
+    )
     runs, ended = [], len(led) - held[0][1] - 1
     for lane in range(len(SCENARIOS)):
         run = jax.tree.map(lambda leaf, lane=lane: np.asarray(leaf[lane]), found)
@@ -179,7 +182,7 @@ def _figures(
 def _simulated(
     robot: Robot,
     controller: PD,
-    scenarios: Scenario,
+    each: Scenario,
     led: Float[Array, "samples 2"],
     feedforward: Float[Array, "samples 2"],
 ) -> ClosedLoop:
@@ -187,4 +190,4 @@ def _simulated(
         might_be, start = begin(robot, scenario, led[0])
         return closed_loop(might_be, start, controller, reference=led, feedforward=feedforward)
 
-    return jax.vmap(run)(scenarios)
+    return jax.vmap(run)(each)

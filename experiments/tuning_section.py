@@ -29,6 +29,9 @@ _MUCH = 0.5
 _SAME = 0.01
 """Relative difference below which two shapers are drawn as one: a line's width."""
 
+_NO_MORE = 0.01
+"""Percentage points below which nothing is left beyond a promise."""
+
 DELAY = 1
 """Samples from a measurement to its command that the margins are given for."""
 
@@ -155,7 +158,7 @@ def between_the_cells_sentence(maps: Sequence[ResidualMap]) -> str:
     more = 100 * further.beyond.value
     compared = (
         "nowhere more than its cell promises"
-        if more < _SAME
+        if more < _NO_MORE
         else f"up to {plain(more, 3)} percentage points more than its cell promises "
         f"{_pose(further.beyond, further)}"
     )

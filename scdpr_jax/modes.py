@@ -108,6 +108,19 @@ def natural_frequencies(
     return jnp.sqrt(jnp.linalg.eigvalsh(elastic)) / (2 * jnp.pi)
 
 
+def held_frequency(robot: Robot, height: Float[Array, ""]) -> Float[Array, ""]:
+    """Natural frequency of the sway while friction holds both carriages.
+
+    Args:
+        robot: The robot; its friction has no part in it.
+        height: Height $y_e$ of the end-effector [m].
+
+    Returns:
+        The lowest frequency of `BOTH_HELD` [Hz].
+    """
+    return natural_frequencies(robot, height, BOTH_HELD)[0]
+
+
 def modes(robot: Robot, height: Float[Array, ""], condition: Condition) -> Modes:
     r"""Natural frequencies and mode shapes of the elastic modes, Eq. (18).
 

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from scdpr_jax.fields import si
-from scdpr_jax.modes import BOTH_HELD, natural_frequencies
+from scdpr_jax.modes import BOTH_HELD, held_frequency, natural_frequencies
 from scdpr_jax.parameters import Robot, replace, value
 from tuning.types import Range, Region
 
@@ -160,7 +160,7 @@ def _cell(
 
 
 def _held_frequency(robot: Robot, height: float) -> float:
-    return float(natural_frequencies(robot, jnp.asarray(height), BOTH_HELD)[0])
+    return float(held_frequency(robot, jnp.asarray(height)))
 
 
 def _places(

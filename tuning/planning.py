@@ -317,12 +317,10 @@ def _search(
     weights = np.asarray(WEIGHTS)
     holding = steps - round(REST / leg_time * steps)
     on = grid(start, end, leg_time=leg_time, steps=steps, hold=round(HOLD / leg_time * steps))
-    scenarios = Scenario(*(jnp.asarray(column) for column in zip(*SCENARIOS, strict=True)))
+    robots = scenarios()
 
     def linearised(goal: _Goal, point: Float[np.ndarray, " n"]) -> Linearisation:
-        found = _linearised(
-            robot, controller, scenarios, on, jnp.asarray(point), holding=holding
-        )
+        found = _linearised(robot, controller, robots, on, jnp.asarray(point), holding=holding)
         value, slope = (_Outcome(*(np.asarray(part) for part in parts)) for parts in found)
         rough = np.diff(np.eye(point.size), 2, axis=0) / _ROUGHNESS
         pairs = [*_common(value, slope, weights), *goal(value, slope, weights)]
@@ -417,6 +415,15 @@ def _at_full_rate(
 
 
 _run_scenario = jax.jit(run_scenario)
+
+
+def scenarios() -> Scenario:
+    """The robots and starts of `SCENARIOS`, stacked.
+
+    Returns:
+        One of each along the first axis.
+    """
+    return Scenario(*(jnp.asarray(column) for column in zip(*SCENARIOS, strict=True)))
 
 
 def shortest_leg_time(

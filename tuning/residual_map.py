@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.fields import si
-from scdpr_jax.modes import BOTH_HELD, natural_frequencies
+from scdpr_jax.modes import held_frequency
 from scdpr_jax.parameters import Robot
 from scdpr_jax.shaper import Shaper, residual_vibration
 from scdpr_jax.workspace import static_workspace
@@ -93,7 +93,7 @@ class HeldMode(eqx.Module):
             That frequency less and plus two standard errors [Hz].
         """
         weights = self.schedule.weights(position)
-        frequency = _held_frequency(self.robot, position[1]) * (weights @ self.ratio)
+        frequency = held_frequency(self.robot, position[1]) * (weights @ self.ratio)
         spread = weights @ self.spread
         return frequency * jnp.stack([1 - spread, 1 + spread])
 
@@ -134,7 +134,7 @@ def held_mode(tuning: Tuning, pretension: float) -> HeldMode:
     return HeldMode(
         robot=robot,
         schedule=schedule_of(tuning.shapers, pretension),
-        ratio=frequency / jax.vmap(_held_frequency, (None, 0))(robot, heights),
+        ratio=frequency / jax.vmap(held_frequency, (None, 0))(robot, heights),
         spread=(band[:, 1] - band[:, 0]) / (2 * frequency),
         damping_ratio=jnp.asarray([one.damping_ratio for one in here]),
     )
@@ -191,7 +191,3 @@ def worst_in_band(
         lambda f: residual_vibration(shaper, frequency=f, damping_ratio=damping_ratio)
     )
     return jnp.max(left(frequencies))
-
-
-def _held_frequency(robot: Robot, height: Float[Array, ""]) -> Float[Array, ""]:
-    return natural_frequencies(robot, height, BOTH_HELD)[0]

@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.planned_leg import SETTLED, Compared, LegRun
+from experiments.figures.tracking import draw_commands, name_commands
+from experiments.planned_leg import SETTLED, SIDES, Compared, LegRun
 from experiments.style import (
     BLACK,
     BLUE,
@@ -19,10 +20,7 @@ from experiments.style import (
 
 _BEFORE = 0.4
 """Time before the leg's end that its arrival is shown from [s]."""
-_SIDES = (
-    ("plain", "plain profile, Eq. (25)", VERMILION, 1.3),
-    ("planned", "planned", BLUE, 1.7),
-)
+_STYLES = ((VERMILION, 1.3), (BLUE, 1.7))
 _LEAST = 1e-3
 """Vibration below which it is drawn as this [mm]: a count of the encoders moves more."""
 
@@ -41,42 +39,38 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     """
     figure = new_figure(height=6.6)
     way, arrival, command, others = figure.subplots(2, 2).ravel()
-    for name, told, color, width in _SIDES:
-        runs = getattr(compared, name)
+    fitted = compared.planned[0]
+    _, target = _along(fitted)
+    way.plot(
+        *thinned(fitted.time, 1e3 * target),
+        color=BLACK,
+        lw=1.0,
+        ls="--",
+        zorder=3,
+        label="reference of the plan",
+    )
+    sides = zip(SIDES, (compared.plain, compared.planned), _STYLES, strict=True)
+    for name, runs, (color, width) in sides:
         first: LegRun = runs[0]
-        done, target = _along(first)
-        if name == "planned":
-            way.plot(
-                *thinned(first.time, 1e3 * target),
-                color=BLACK,
-                lw=1.0,
-                ls="--",
-                zorder=3,
-                label="reference of the plan",
-            )
-        way.plot(*thinned(first.time, 1e3 * done), color=color, lw=width, label=told)
+        done, _ = _along(first)
+        way.plot(*thinned(first.time, 1e3 * done), color=color, lw=width, label=name)
         late = first.time >= leg_time - _BEFORE
         away = 1e3 * (first.position[late, 0] - first.reference[-1, 0])
         arrival.plot(*thinned(first.time[late], away), color=color, lw=width)
-        for motor, style in enumerate(("-", (0, (3, 1.5)))):
-            voltage = first.voltage[:, motor]
-            command.plot(*thinned(first.time[:-1], voltage), color=color, ls=style, lw=1.1)
+        draw_commands(command, first.time, first.voltage, color=color)
         left = [max(1e3 * run.figures.vibration, _LEAST) for run in runs]
         others.plot(left, range(len(runs)), "o", color=color)
     _bounds(arrival, leg_time, compared)
-    for limit in (-voltage_limit, voltage_limit):
-        command.axhline(limit, color=GREY, ls="--", lw=1)
+    name_commands(command, voltage_limit=voltage_limit)
     others.set_yticks(range(len(compared.names)), compared.names)
     others.invert_yaxis()
     others.set_xscale("log")
     others.set_axisbelow(True)
     way.set_title("on the way")
     way.set_ylabel(label("way covered", "mm"))
-    arrival.set_title("on arrival, and the band of ±5 mm")
+    arrival.set_title(f"on arrival, and the band of ±{1e3 * SETTLED:g} mm")
     arrival.set_ylabel(label("xₑ from the target", "mm"))
-    command.set_title("commands and their limits")
-    command.set_ylabel(label("V₁ (solid), V₂ (dashed)", "V"))
-    for axes in (way, arrival, command):
+    for axes in (way, arrival):
         axes.set_xlabel(label("time", "s"))
     others.set_title("on robots as they might be")
     others.set_xlabel(label("vibration after the leg, peak to peak", "mm"))

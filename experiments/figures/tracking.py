@@ -81,19 +81,46 @@ def tracking(before: TrackingRun, after: TrackingRun, *, voltage_limit: float) -
         error.plot(*thinned(run.time, 1e3 * numbers.error), color=color, lw=width)
         since = run.time[-numbers.rest.size :] - numbers.arrival
         rest.plot(*thinned(since, 1e3 * numbers.rest), color=color, lw=width)
-        for motor, style in enumerate(("-", (0, (3, 1.5)))):
-            voltage = run.voltage[:, motor]
-            command.plot(*thinned(run.time[:-1], voltage), color=color, ls=style, lw=1.1)
-    for limit in (-voltage_limit, voltage_limit):
-        command.axhline(limit, color=GREY, ls="--", lw=1)
+        draw_commands(command, run.time, run.voltage, color=color)
+    name_commands(command, voltage_limit=voltage_limit)
     _name(position, "position", label(("xₑ", "yₑ")[axis], "mm"))
     _name(error, "distance from the unshaped reference, Eq. (26)", label("εₑ", "mm"))
     _name(rest, "what is left after the arrival", label("xₑ about its mean", "mm"))
-    _name(command, "commands and their limits", label("V₁ (solid), V₂ (dashed)", "V"))
     rest.set_xlabel(label("time after the arrival", "s"))
     error.set_ylim(bottom=0)
     figure_legend(figure, position)
     return figure
+
+
+def draw_commands(
+    axes: Axes,
+    time: Float[np.ndarray, " samples"],
+    voltage: Float[np.ndarray, "samples-1 2"],
+    *,
+    color: str,
+) -> None:
+    """Draw the commands of both drives.
+
+    Args:
+        axes: Where to draw them.
+        time: Times of the samples [s].
+        voltage: Commands between them [V].
+        color: Their colour.
+    """
+    for motor, style in enumerate(("-", (0, (3, 1.5)))):
+        axes.plot(*thinned(time[:-1], voltage[:, motor]), color=color, ls=style, lw=1.1)
+
+
+def name_commands(axes: Axes, *, voltage_limit: float) -> None:
+    """Draw the drives' limits beside their commands, and name the axes.
+
+    Args:
+        axes: Where the commands are.
+        voltage_limit: Largest command of either sign [V].
+    """
+    for limit in (-voltage_limit, voltage_limit):
+        axes.axhline(limit, color=GREY, ls="--", lw=1)
+    _name(axes, "commands and their limits", label("V₁ (solid), V₂ (dashed)", "V"))
 
 
 def _name(axes: Axes, title: str, name: str) -> None:

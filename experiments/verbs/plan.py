@@ -33,6 +33,12 @@ def plan(
         leg_time: Time of the leg, "2 s"; default: 2 s, or what the drives need.
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
     """
+    beside = out.with_suffix(".html")
+    if beside == out:
+        raise ValueError(
+            f"`--out`: got {out}, expected a table, such as {out.with_suffix('.csv')}: the "
+            "page that shows it is written beside it."
+        )
     set_up()
     from experiments import plan_report, planned_leg
     from experiments.places import parse_position
@@ -41,12 +47,6 @@ def plan(
     from tuning.document import read_tuning
     from tuning.plan_file import write_plan
 
-    beside = out.with_suffix(".html")
-    if beside == out:
-        raise ValueError(
-            f"`--out`: got {out}, expected a table, such as {out.with_suffix('.csv')}: the "
-            "page that shows it is written beside it."
-        )
     tuned = read_tuning(tuning)
     nominal = None if setting is None else parse_quantity(setting, unit="N", name="--setting")
     seconds = (
@@ -57,6 +57,11 @@ def plan(
         parse_position(text, name=name, robot=robot)
         for text, name in ((begin, "--from"), (to, "--to"))
     )
+    if start == end:
+        raise ValueError(
+            f"`--to`: got {to}, the same place as `--from`, expected another one: there is no "
+            "leg to plan."
+        )
     with shown_progress(ERRORS) as progress:
         planned = planned_leg.make(
             robot,

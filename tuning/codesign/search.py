@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.controller import PD, published_pd
-from scdpr_jax.modes import BOTH_HELD, natural_frequencies
+from scdpr_jax.modes import held_frequency
 from scdpr_jax.shaper import Shaper
 from tuning.admissible import Admissible
 from tuning.catalogue import CATALOGUE
@@ -253,9 +253,7 @@ def held_frequencies(models: Models) -> tuple[float, float, float]:
 
 @jax.jit
 def _held(models: Models) -> Float[Array, " n"]:
-    return jax.vmap(lambda model: natural_frequencies(model.robot, model.end[1], BOTH_HELD)[0])(
-        models
-    )
+    return jax.vmap(lambda model: held_frequency(model.robot, model.end[1]))(models)
 
 
 def scattered(count: int, most: int) -> np.ndarray:
