@@ -11,6 +11,7 @@ import numpy as np
 import pydantic
 from jaxtyping import Float
 
+from experiments.measured_section import fitted
 from identification.axis_law import AxisLaws
 from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
@@ -110,6 +111,17 @@ def write_parameters(
                 "threshold": one.threshold,
             }
             for one in profiles
+        ],
+        "measured_otherwise": [
+            {
+                "name": one.name,
+                "setting": one.setting,
+                "value": float(one.value),
+                "sigma": float(one.sigma),
+                "unit": one.unit,
+                "fitted": value,
+            }
+            for one, value, _ in fitted(estimate)
         ],
         "models": [
             dataclasses.asdict(model) | {"chosen": number == estimate.choice}

@@ -13,6 +13,7 @@ from experiments.runtime import stage
 from identification.campaign import Campaign
 from identification.estimate import Estimate, estimate
 from identification.frequency_map import FrequencyMap, frequency_map, write_frequencies
+from identification.measured import Measured
 from identification.selection import select
 from scdpr_jax.prototype import consistent
 from tuning.document import write_tuning
@@ -69,6 +70,7 @@ def calibrate(
     *,
     free: Sequence[str] | None = None,
     hold_out: Sequence[str] | None = None,
+    measured: Sequence[Measured] = (),
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     progress: Progress = lambda doing, share: None,
@@ -81,6 +83,7 @@ def calibrate(
             these leave more than noise those of the model that explains the rest best.
         hold_out: Names of the runs to predict instead of fitting them; None for
             `held_out_by_default`.
+        measured: What was measured otherwise.
         leg_times: Times of a leg that the tuning is made for [s].
         effort: How much is spent on the tuning.
         progress: Told what is being done and which share of it is done.
@@ -96,7 +99,7 @@ def calibrate(
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
         compiled = aside.submit(prepare, consistent(), leg_times=leg_times, effort=effort)
-        found = _fitted(campaign, free, names, stage(progress, 0.02, 0.7))
+        found = _fitted(campaign, free, names, measured, stage(progress, 0.02, 0.7))
         compiled.result()
     progress("ring-downs", 0.7)
     notes = _notes(campaign, found)
@@ -121,12 +124,15 @@ def _fitted(
     campaign: Campaign,
     free: Sequence[str] | None,
     hold_out: tuple[str, ...],
+    measured: Sequence[Measured],
     progress: Progress,
 ) -> Estimate:
     """The fit that was asked for, or the usual one with what it turns out to need."""
     if free is None:
-        return select(campaign, hold_out=hold_out, progress=progress)
-    return estimate(campaign, free=free, hold_out=hold_out, progress=progress)
+        return select(campaign, hold_out=hold_out, measured=measured, progress=progress)
+    return estimate(
+        campaign, free=free, hold_out=hold_out, measured=measured, progress=progress
+    )
 
 
 def write_calibration(

@@ -24,6 +24,7 @@ from experiments.figures.ring_down import decay_of, ring_down_figure
 from experiments.figures.robot_view import robot_view, shown_instants
 from experiments.figures.run_comparison import run_comparison
 from experiments.influence_section import influence_sentences, influence_tables
+from experiments.measured_section import measured_tables
 from experiments.model_section import model_tables, moved_table, told_combinations
 from experiments.number_text import percent, plain, rounded
 from experiments.page import Picture, Pictures, page, versions
@@ -84,7 +85,7 @@ def write_report(
         parameter_pictures=list(_parameter_pictures(estimate, truth, picture)),
         fit_pictures=list(_fit_pictures(estimate, picture)),
         predictions=_predictions(estimate),
-        model_tables=model_tables(estimate),
+        model_tables=(*measured_tables(estimate), *model_tables(estimate)),
         moved=moved_table(estimate.identifiability),
         combinations=told_combinations(estimate.identifiability),
         influence_words=influence_sentences(estimate),

@@ -9,6 +9,7 @@ from rich.text import Text
 from experiments.console_text import print_lines, rich_table
 from experiments.drive_report import axis_rows, axis_sentences, law_sentences
 from experiments.influence_section import influence_sentences, influence_tables
+from experiments.measured_section import measured_tables
 from experiments.model_section import model_tables, profile_table
 from experiments.number_text import rounded
 from experiments.parameter_table import Row, inside, parameter_row
@@ -74,7 +75,7 @@ def show(
     console.print(_parameters(rows, with_truth=bool(truth)))
     if profiles:
         console.print(rich_table(profile_table(profiles)))
-    for table in model_tables(estimate):
+    for table in (*measured_tables(estimate), *model_tables(estimate)):
         console.print(rich_table(table))
     said = words(campaign, estimate, frequencies=frequencies, tuned=tuning is not None)
     _print_words(console, said, parameters=len(rows))

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from experiments.coordinates import COORDINATES
+from experiments.measured_section import contradictions
 from experiments.model_section import verdict_on_models
 from experiments.number_text import percent, plain, readable_unit, rounded
 from identification.campaign.types import Campaign
@@ -221,6 +222,7 @@ def words(
     if frequencies is not None:
         found.append(_frequencies(frequencies))
     sure = [_noise(estimate), _validated(estimate), *verdict_on_models(estimate)]
+    sure += contradictions(estimate)
     sure += _untold(estimate)
     sure += [_held_out(one) for one in predictions(estimate)]
     sure += _ending(estimate)

@@ -18,6 +18,10 @@ from identification.frequency_map import frequency_map as frequency_map
 from identification.frequency_map import read_frequencies as read_frequencies
 from identification.frequency_map import write_frequencies as write_frequencies
 from identification.identifiability import Identifiability as Identifiability
+from identification.measured import MeasuredBreakaway as MeasuredBreakaway
+from identification.measured import MeasuredFrequency as MeasuredFrequency
+from identification.measured import MeasuredQuantity as MeasuredQuantity
+from identification.measured_text import parse_measured as parse_measured
 from identification.ring_down import RingDown as RingDown
 from identification.ring_down import ring_down as ring_down
 from identification.selection import select as select

@@ -15,6 +15,7 @@ from identification.comparison import Comparison, compare, compare_motors
 from identification.identifiability import Identifiability, identifiability
 from identification.influence import Influence, influence, run_normal
 from identification.levenberg_marquardt import Minimum, free_unknowns
+from identification.measured import Measured
 from identification.models import Model
 from identification.problem import Problem
 from identification.residuals import Circumstances
@@ -75,6 +76,8 @@ class Estimate:
     """What these logs can tell of what."""
     influence: Influence
     """Which run moves which quantity, and the bootstrap over runs."""
+    measured: tuple[Measured, ...] = ()
+    """What was measured otherwise."""
     models: tuple[Model, ...] = ()
     """The models that were compared, the usual one first; empty where that is enough."""
     choice: int = 0
@@ -113,6 +116,7 @@ def estimate(
     robot: Robot | None = None,
     free: Sequence[str] = DEFAULT_FREE,
     hold_out: Sequence[str] = (),
+    measured: Sequence[Measured] = (),
     progress: Progress = lambda doing, share: None,
 ) -> Estimate:
     """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
@@ -129,18 +133,21 @@ def estimate(
             effective one.
         hold_out: Names of runs that say nothing about the shared quantities; their own
             circumstances are estimated once these are known, to predict them.
+        measured: What was measured otherwise: it counts as a measurement of its own, and
+            a quantity that was is free.
         progress: Told what is being done and which share of it is done.
 
     Returns:
         The estimate.
 
     Raises:
-        ValueError: If float64 is off, if a name is unknown, or if a run can't be used.
+        ValueError: If float64 is off, if a name is unknown, if a run can't be used, or if
+            something was measured at a setting that no run has.
         FloatingPointError: If a run's simulation isn't finite at the solution.
     """
     require_float64()
     prior = exact(replace(robot or consistent(), campaign.robot))
-    problem = Problem.of(campaign, prior, tuple(free), frozenset(hold_out))
+    problem = Problem.of(campaign, prior, free, frozenset(hold_out), measured=measured)
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # Compiling leaves the interpreter free: the rest comes along meanwhile.
         aside.submit(problem.compile)
@@ -207,9 +214,10 @@ def solve(
             misfit=minimum.normal.cost / problem.measurements(),
             measurements=problem.measurements(),
         ),
+        measured=problem.measured,
         identifiability=identifiability(problem, minimum.point, sums),
         influence=influence(
-            run_normal(problem, sums),
+            run_normal(problem, minimum.point, sums),
             [p for p in judged["parameters"] if p.status != "fixed"],
             held=minimum.point[np.flatnonzero(problem.unknowns.opened)],
         ),
@@ -255,7 +263,8 @@ def _judged(
     _, scores = assemble(unknowns, sums, shared=True)
     chosen = np.flatnonzero(unknowns.opened)
     seen = free_unknowns(minimum.normal, point, lower)
-    found = covariance(minimum.normal.matrix, scores, seen)
+    otherwise = problem.otherwise(point).matrix
+    found = covariance(minimum.normal.matrix, scores, seen, otherwise=otherwise)
     parameters = []
     for index in np.flatnonzero(unknowns.opened):
         name, setting = unknowns.shared[index]

@@ -97,7 +97,7 @@ class Identifiability:
         told = _named(name, setting)
         moved = self.moved[:, :, index]
         if not np.any(moved > 0):
-            return f"Nothing that was measured depends on the {told}."
+            return f"Nothing in the logs depends on the {told}."
         strongest = np.unravel_index(np.argmax(moved), moved.shape)
         where = f"{self.runs[strongest[0]]}'s {SENSORS[strongest[1]]}"
         if self.alone[index] >= KNOWN:
@@ -139,6 +139,7 @@ def identifiability(
         for group, of_group in enumerate((encoders, camera)):
             squares = np.diagonal(of_group, axis1=1, axis2=2).sum(axis=0)
             np.add.at(moved[k, group], at, squares)
+    matrix += problem.otherwise(point).matrix
     matrix = matrix * np.outer(scale, scale)
     left = _schur(matrix, opened, _circumstances(problem))
     combinations = _combinations(left, [unknowns.shared[k] for k in opened])

@@ -23,6 +23,7 @@ from scipy import stats
 from scipy.optimize import lsq_linear
 
 from identification.accumulate import RunSums
+from identification.levenberg_marquardt import Normal
 from identification.problem import Problem
 from identification.uncertainty import ParameterEstimate
 from scdpr_jax.parameters import quantity
@@ -53,7 +54,9 @@ class RunNormal(NamedTuple):
     information: Float[np.ndarray, "runs n n"]
     """Information of each run, over the quantities as a fit holds them."""
     pull: Float[np.ndarray, "runs n"]
-    """Weighted $J^Tr$ of each run; at a minimum they cancel."""
+    """Weighted $J^Tr$ of each run; with `otherwise` they cancel at a minimum."""
+    otherwise: Normal
+    """The part of what was measured otherwise, which stays whichever runs are there."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -82,11 +85,14 @@ class Influence:
     """Whether the runs were left out by fits rather than by a Gauss-Newton step each."""
 
 
-def run_normal(problem: Problem, of_runs: Mapping[int, RunSums]) -> RunNormal:
+def run_normal(
+    problem: Problem, point: Float[np.ndarray, " n"], of_runs: Mapping[int, RunSums]
+) -> RunNormal:
     """The normal equations of every fitted run in the quantities that a fit may change.
 
     Args:
         problem: The problem.
+        point: The fit's minimum.
         of_runs: What each fitted run adds at the fit's minimum, by its number.
 
     Returns:
@@ -102,11 +108,12 @@ def run_normal(problem: Problem, of_runs: Mapping[int, RunSums]) -> RunNormal:
         names.append(problem.runs[run].name)
         information.append(to.T @ inner @ to)
         pull.append(to.T @ slope)
-    size = len(opened)
+    size, other = len(opened), problem.otherwise(point)
     return RunNormal(
         tuple(names),
         np.reshape(information, (len(names), size, size)),
         np.reshape(pull, (len(names), size)),
+        Normal(other.cost, other.gradient[opened], other.matrix[np.ix_(opened, opened)]),
     )
 
 
@@ -179,7 +186,7 @@ def moves(
         tell.
     """
     inverse = _covariances(normal, weights)
-    pull = weights @ normal.pull
+    pull = weights @ normal.pull + normal.otherwise.gradient
     found = -np.einsum("cij,cj->ci", inverse, pull)
     told = _told(normal, inverse)
     for case in np.flatnonzero(np.any(told & (found < lower), axis=1)):
@@ -235,11 +242,12 @@ def _covariances(
 
     What is told by nothing has a large variance instead of an infinite one.
     """
-    whole = np.diag(normal.information.sum(axis=0))
+    known = normal.otherwise.matrix
+    whole = np.diag(normal.information.sum(axis=0) + known)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, 1.0))
     both = np.outer(scale, scale)
-    information = np.einsum("cg,gij->cij", weights, normal.information) * both[None]
-    return np.linalg.inv(information + RIDGE * np.eye(scale.size)[None]) * both[None]
+    information = np.einsum("cg,gij->cij", weights, normal.information) + known
+    return np.linalg.inv(information * both + RIDGE * np.eye(scale.size)[None]) * both[None]
 
 
 def _told(
@@ -271,9 +279,11 @@ def _bounded(
 ) -> Float[np.ndarray, " n"]:
     """The step that a quadratic model's minimum within lower bounds asks for."""
     scale = np.sqrt(np.diag(covariance))
-    spread = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    factor = np.linalg.inv(spread)
-    target = -spread.T @ (scale * pull)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    # What rounding leaves of a combination that is known far better than its quantities.
+    root = np.sqrt(np.maximum(values, np.finfo(float).eps * values[-1]))
+    factor = (vectors / root).T
+    target = -(vectors * root).T @ (scale * pull)
     # A start at its bound may be beyond it by rounding.
     bounds = (np.minimum(lower / scale, -1e-12), np.inf)
     return scale * lsq_linear(factor, target, bounds, method="bvls").x
@@ -281,8 +291,13 @@ def _bounded(
 
 def _unstopped(normal: RunNormal, lower: Float[np.ndarray, " n"]) -> RunNormal:
     """The normal equations without the quantities that their bound stops."""
-    free = (lower < 0) | (normal.pull.sum(axis=0) <= 0)
-    return normal._replace(information=normal.information * np.outer(free, free))
+    other = normal.otherwise
+    free = (lower < 0) | (normal.pull.sum(axis=0) + other.gradient <= 0)
+    both = np.outer(free, free)
+    return normal._replace(
+        information=normal.information * both,
+        otherwise=other._replace(matrix=other.matrix * both),
+    )
 
 
 def known_sigma(parameters: Sequence[ParameterEstimate]) -> Float[np.ndarray, " n"]:

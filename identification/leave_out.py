@@ -30,7 +30,7 @@ def without_each_run(
     parameters = [p for p in found.parameters if p.status != "fixed"]
     free = tuple(dict.fromkeys(p.name for p in parameters))
     held_out = frozenset(run.name for run in found.comparisons if run.held_out)
-    problem = Problem.of(campaign, found.robot, free, held_out)
+    problem = Problem.of(campaign, found.robot, free, held_out, measured=found.measured)
     point = vector(problem, found)
     problem = problem.corrected(point)
     known, names = found.influence, [p.name for p in parameters]

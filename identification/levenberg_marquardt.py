@@ -17,6 +17,17 @@ class Normal(NamedTuple):
     matrix: Float[np.ndarray, "n n"]
     r"""Weighted $J^T J$, half the Gauss-Newton model's second derivative."""
 
+    def plus(self, other: "Normal") -> "Normal":
+        """The normal equations of both misfits together.
+
+        Args:
+            other: Those of another misfit of the same unknowns.
+
+        Returns:
+            Their sums.
+        """
+        return Normal(*(mine + theirs for mine, theirs in zip(self, other, strict=True)))
+
 
 class Minimum(NamedTuple):
     """Where a minimisation ended."""

@@ -19,6 +19,7 @@ from identification.levenberg_marquardt import (
     minimise,
     minimise_together,
 )
+from identification.measured import Measured, pulls, require_settings, with_measured
 from identification.record import Record, coarse, motor_record, stacked, windowed
 from identification.start import Clock, clocks
 from identification.unknowns import Unknowns, layout, start_values
@@ -56,24 +57,34 @@ class Problem:
     """Numbers of the runs of the bare drives."""
     motor_records: MotorRecord | None
     """Those runs; None without any."""
+    measured: tuple[Measured, ...] = ()
+    """What was measured otherwise."""
 
     @classmethod
     def of(
-        cls, campaign: Campaign, prior: Robot, free: tuple[str, ...], hold_out: frozenset[str]
+        cls,
+        campaign: Campaign,
+        prior: Robot,
+        free: Sequence[str],
+        hold_out: frozenset[str],
+        *,
+        measured: Sequence[Measured] = (),
     ) -> "Problem":
         """The problem of a campaign.
 
         Args:
             campaign: The campaign.
             prior: The robot with what isn't free, and the start of what is.
-            free: Names of the free quantities.
+            free: Names of the free quantities, besides those that were measured otherwise.
             hold_out: Names of the runs to hold out.
+            measured: What was measured otherwise.
 
         Returns:
             The problem.
 
         Raises:
-            ValueError: If a name is unknown, or nothing tells where a run started.
+            ValueError: If a name is unknown, nothing tells where a run started, or
+                something was measured at a setting that no run has.
         """
         runs, sensors = campaign.runs, campaign.sensors
         held_out = frozenset(runs.index(campaign.run(name)) for name in hold_out)
@@ -88,10 +99,11 @@ class Problem:
             duration = np.asarray(records.inputs.duration)
             factor = max(1, round(COARSE_STEP / float(np.median(duration[duration > 0]))))
             rough = coarse(records, factor)
+        require_settings(measured, [runs[i].pretension_label for i in cabled])
         return cls(
             runs=runs,
             prior=prior,
-            unknowns=layout(runs, free),
+            unknowns=layout(runs, with_measured(free, measured)),
             held_out=held_out,
             cabled=cabled,
             clocks=known,
@@ -100,6 +112,7 @@ class Problem:
             factor=factor,
             motors=motors,
             motor_records=motor_record([runs[i] for i in motors], sensors) if motors else None,
+            measured=tuple(measured),
         )
 
     @property
@@ -133,8 +146,8 @@ class Problem:
         return [run for run in (*self.cabled, *self.motors) if run not in self.held_out]
 
     def measurements(self) -> float:
-        """How many independent measurements the fitted runs hold."""
-        count = 0.0
+        """How many independent measurements there are, in the fitted runs and otherwise."""
+        count = float(len(self.measured))
         for row, run in enumerate(self.cabled):
             if run not in self.held_out:
                 count += float(jnp.sum(self.rough.angle_share[row]))
@@ -244,10 +257,49 @@ class Problem:
         Returns:
             One for each point, over all unknowns.
         """
-        return [
-            assemble(self.unknowns, sums, shared=not held_out)[0]
-            for sums in self.each(points, held_out=held_out)
-        ]
+        return self._assembled(points, self.each(points, held_out=held_out), not held_out)
+
+    def _assembled(
+        self,
+        points: Sequence[Float[np.ndarray, " n"]],
+        found: Sequence[dict[int, RunSums]],
+        shared: bool,
+    ) -> list[Normal]:
+        """Normal equations of some runs, with what else is known of what they may say."""
+        each = [assemble(self.unknowns, sums, shared=shared)[0] for sums in found]
+        if not shared:
+            return each
+        return [own.plus(self.otherwise(x)) for own, x in zip(each, points, strict=True)]
+
+    def otherwise(self, point: Float[np.ndarray, " n"]) -> Normal:
+        """The normal equations of what was measured otherwise.
+
+        Args:
+            point: Vector of the fit.
+
+        Returns:
+            Normal equations over all unknowns.
+        """
+        size = self.unknowns.size
+        normal = Normal(0.0, np.zeros(size), np.zeros((size, size)))
+        if not self.measured:
+            return normal
+        at = np.stack([self._quantities(one.setting) for one in self.measured])
+        free = self.unknowns.free
+        found = pulls(self.measured, self.prior, free, jnp.asarray(point[at]))
+        pull, slopes = (np.asarray(part) for part in found)
+        # Quantities that share an unknown add up in it.
+        jacobian = np.zeros((len(pull), size))
+        np.add.at(jacobian, (np.arange(len(pull))[:, None], at), slopes)
+        jacobian[:, : self.unknowns.opened.size] *= self.unknowns.opened
+        return Normal(float(pull @ pull), jacobian.T @ pull, jacobian.T @ jacobian)
+
+    def _quantities(self, setting: str | None) -> np.ndarray:
+        """Where the free quantities at a setting stand in the fit's vector."""
+        for run in self.cabled:
+            if setting in (None, self.runs[run].pretension_label):
+                return self.unknowns.local[run]
+        return self.unknowns.local[0]
 
     def compile(self) -> None:
         """Compiles what a fit needs, by a chunk of each."""
@@ -313,8 +365,7 @@ class Problem:
         """
 
         def evaluate(points: list[Float[np.ndarray, " n"]]) -> list[Normal]:
-            found = self.sums(points, rows)
-            return [assemble(self.unknowns, sums, shared=shared)[0] for sums in found]
+            return self._assembled(points, self.sums(points, rows), shared)
 
         return minimise_together(
             evaluate,

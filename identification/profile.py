@@ -87,7 +87,7 @@ def profiles(
     chosen = [p for p in found.parameters if p.status != "fixed"]
     free = tuple(dict.fromkeys(p.name for p in chosen))
     held_out = frozenset(run.name for run in found.comparisons if run.held_out)
-    problem = Problem.of(campaign, found.robot, free, held_out)
+    problem = Problem.of(campaign, found.robot, free, held_out, measured=found.measured)
     point = vector(problem, found)
     problem = problem.corrected(point)
     (best,) = problem.evaluate([point])

@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 from identification.campaign.types import Campaign
 from identification.estimate import Estimate, estimate, require_float64, solve, vector
 from identification.levenberg_marquardt import Minimum, Normal, free_unknowns
+from identification.measured import Measured, with_measured
 from identification.models import REFINEMENTS, Model, Refinement
 from identification.problem import Problem
 from identification.unknowns import DEFAULT_FREE, FOLLOWS, layout
@@ -27,6 +28,7 @@ def select(
     campaign: Campaign,
     *,
     hold_out: Sequence[str] = (),
+    measured: Sequence[Measured] = (),
     refinements: Sequence[Refinement] = REFINEMENTS,
     progress: Progress = lambda doing, share: None,
 ) -> Estimate:
@@ -45,6 +47,7 @@ def select(
     Args:
         campaign: The campaign.
         hold_out: Names of runs that say nothing about the shared quantities.
+        measured: What was measured otherwise, as in `estimate`.
         refinements: What may be added.
         progress: Told what is being done and which share of it is done.
 
@@ -57,13 +60,16 @@ def select(
     """
     require_float64()
     usual = estimate(
-        campaign, hold_out=hold_out, progress=lambda doing, share: progress(doing, 0.4 * share)
+        campaign,
+        hold_out=hold_out,
+        measured=measured,
+        progress=lambda doing, share: progress(doing, 0.4 * share),
     )
     if all(channel.is_noise for run in usual.comparisons for channel in run.channels):
         return usual
     every = (*DEFAULT_FREE, *(name for one in refinements for name in one.free))
     prior = exact(replace(consistent(), campaign.robot))
-    whole = Problem.of(campaign, prior, every, frozenset(hold_out))
+    whole = Problem.of(campaign, prior, every, frozenset(hold_out), measured=measured)
     point = vector(whole, usual)
     left, added = list(refinements), []
     fits: list[_Fit] = []
@@ -112,7 +118,8 @@ class _Fit(NamedTuple):
 
 def _opened(whole: Problem, added: Sequence[Refinement]) -> Problem:
     """The whole problem with only the usual and the added quantities free."""
-    free = (*DEFAULT_FREE, *(name for one in added for name in one.free))
+    added_free = (*DEFAULT_FREE, *(name for one in added for name in one.free))
+    free = with_measured(added_free, whole.measured)
     unknowns = layout(whole.runs, whole.unknowns.free, opened=free)
     return dataclasses.replace(whole, unknowns=unknowns)
 

@@ -92,6 +92,8 @@ def covariance(
     matrix: Float[np.ndarray, "n n"],
     scores: Float[np.ndarray, "runs blocks n"],
     seen: Bool[np.ndarray, " n"],
+    *,
+    otherwise: Float[np.ndarray, "n n"] | float = 0.0,
 ) -> Covariance:
     r"""Standard errors that hold for residuals that are correlated in time.
 
@@ -115,6 +117,8 @@ def covariance(
         matrix: Weighted $J^TJ$.
         scores: Parts of the weighted $J^Tr$ from equal stretches of each run.
         seen: The unknowns that the data say something about.
+        otherwise: The part of the matrix that no run's scores belong to, whose errors are
+            taken to be as they were stated.
 
     Returns:
         Standard errors and correlation of all unknowns.
@@ -124,6 +128,8 @@ def covariance(
     scaled = matrix[np.ix_(at, at)] * np.outer(scale, scale)
     inverse = np.linalg.pinv(scaled, hermitian=True)
     white = np.diag(inverse)
+    given = np.broadcast_to(otherwise, matrix.shape)[np.ix_(at, at)] * np.outer(scale, scale)
+    stated = np.diag(inverse @ given @ inverse)
     variance, freedom = white.copy(), np.full(at.size, np.inf)
     for length in STRETCHES:
         runs, blocks, size = scores.shape
@@ -132,10 +138,11 @@ def covariance(
         groups = np.count_nonzero(np.any(grouped != 0, axis=1))
         if groups < 2:
             continue
-        found = np.sum(np.square(pulls), axis=0) * groups / (groups - 1)
+        spread = np.sum(np.square(pulls), axis=0) * groups / (groups - 1)
+        found = spread + stated
         scatter = stats.chi2.ppf(1 - LEVEL, groups - 1) / (groups - 1)
         wider = _width(found, groups - 1.0) > _width(variance, freedom)
-        taken = (found > scatter * white) & wider
+        taken = (spread > scatter * (white - stated)) & wider
         variance = np.where(taken, found, variance)
         freedom = np.where(taken, groups - 1.0, freedom)
     sigma, degrees = np.full(seen.size, np.inf), np.full(seen.size, np.inf)

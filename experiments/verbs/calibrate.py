@@ -15,6 +15,7 @@ def calibrate(
     skip_bad_runs: bool = False,
     free: tuple[str, ...] = (),
     hold_out: tuple[str, ...] | None = None,
+    measured: tuple[str, ...] = (),
 ) -> int:
     """Check a campaign, identify the robot, map its frequencies, tune it, and report.
 
@@ -28,18 +29,23 @@ def calibrate(
             those of the model that explains the rest best.
         hold_out: Runs to predict instead of fitting them; default: the manoeuvre that
             goes the furthest. Give it without a name to fit every run.
+        measured: What was measured otherwise, "NAME = VALUE +- STANDARD ERROR [at PLACE]",
+            see `scdpr identify --help`.
     """
     set_up()
     from experiments import pipeline, summary
     from identification.campaign import read_campaign
+    from identification.measured_text import parse_measured
 
     require_outside(out, campaign)
+    otherwise = tuple(map(parse_measured, measured))
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
         calibration = pipeline.calibrate(
             read,
             free=free or None,
             hold_out=hold_out,
+            measured=otherwise,
             progress=stage(progress, 0.0, 0.93),
         )
         progress("report", 0.93)

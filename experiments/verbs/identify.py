@@ -15,6 +15,7 @@ def identify(
     skip_bad_runs: bool = False,
     free: tuple[str, ...] = (),
     hold_out: tuple[str, ...] = (),
+    measured: tuple[str, ...] = (),
     profile: bool = False,
     leave_out: bool = False,
 ) -> int:
@@ -28,6 +29,10 @@ def identify(
             the effective pretension of each setting, and where these leave more than noise
             those of the model that explains the rest best.
         hold_out: Runs to predict instead of fitting them.
+        measured: What was measured otherwise, "NAME = VALUE +- STANDARD ERROR [at PLACE]":
+            a quantity, which is then free; a breakaway_voltage at a pretension; a
+            natural_frequency at a pretension and a height, as in "natural_frequency =
+            3.2 Hz +- 0.02 Hz at 350 N, 0.55 m".
         profile: Trace the misfit along every quantity, too: whether it is bounded on both
             sides, on one, or on none. Takes as long again.
         leave_out: Fit anew without each run, too, to see which run moves what; otherwise
@@ -39,16 +44,20 @@ def identify(
     from identification.campaign import read_campaign
     from identification.estimate import estimate
     from identification.leave_out import without_each_run
+    from identification.measured_text import parse_measured
     from identification.profile import profiles
     from identification.selection import select
 
     require_outside(out, campaign)
+    otherwise = tuple(map(parse_measured, measured))
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
         if free:
-            found = estimate(read, free=free, hold_out=hold_out, progress=progress)
+            found = estimate(
+                read, free=free, hold_out=hold_out, measured=otherwise, progress=progress
+            )
         else:
-            found = select(read, hold_out=hold_out, progress=progress)
+            found = select(read, hold_out=hold_out, measured=otherwise, progress=progress)
         traced = profiles(read, found) if profile else ()
         if leave_out:
             found = without_each_run(read, found, progress=progress)

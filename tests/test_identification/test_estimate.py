@@ -11,6 +11,7 @@ from experiments import rig
 from experiments.recovery import DRAWN
 from identification.accumulate import run_residuals
 from identification.estimate import estimate
+from identification.measured import MeasuredQuantity
 from identification.record import stacked
 from identification.start import Clock
 from identification.unknowns import encode
@@ -80,6 +81,23 @@ def test_the_friction_force_is_known_better_than_its_coefficient(found):
     relative = np.array([estimated[k].sigma / estimated[k].value for k in pair])
     spread = found.correlation[np.ix_(pair, pair)] * np.outer(relative, relative)
     assert np.sqrt(np.sum(spread)) < relative[0]
+
+
+def test_what_was_measured_otherwise_weighs_by_its_error(campaign, found):
+    """Two sources of one quantity combine as independent numbers do: by their precision."""
+    name = "friction_coefficient"
+    (logged,) = (p for p in found.parameters if p.name == name)
+    # Half a standard error off, and known half as well again.
+    other = MeasuredQuantity(
+        quantity=name, value=logged.value + logged.sigma / 2, sigma=1.5 * logged.sigma
+    )
+    both = estimate(campaign, hold_out=[HELD_OUT], measured=[other])
+    (joint,) = (p for p in both.parameters if p.name == name)
+    weights = np.array([1.0, 1 / 1.5**2])
+    assert joint.sigma == pytest.approx(logged.sigma / np.sqrt(weights.sum()), rel=0.01)
+    moved = (joint.value - logged.value) / logged.sigma
+    assert moved == pytest.approx(0.5 * weights[1] / weights.sum(), abs=0.02)
+    assert both.measured == (other,)
 
 
 def test_float32_is_refused(campaign):

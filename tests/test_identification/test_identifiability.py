@@ -43,7 +43,7 @@ def sample(moved, alone, combinations):
     [
         (
             "friction_coefficient",
-            "Nothing that was measured depends on the friction coefficient",
+            "Nothing in the logs depends on the friction coefficient",
         ),
         ("torque_per_volt", "can't tell torque per volt and drive inertia rising together"),
         ("drive_inertia", "hardly moves anything"),

@@ -15,6 +15,7 @@ from identification.influence import (
     telling_runs,
 )
 from identification.leave_out import without_each_run
+from identification.levenberg_marquardt import Normal
 from identification.uncertainty import ParameterEstimate
 
 NAMES = ("friction_coefficient", "drive_friction", "lower_carriage_damping")
@@ -67,7 +68,11 @@ def normal_of(jacobians, targets, found):
         parts.append(_eliminated(sums(jacobian, residual), 3, active))
     information, pull = zip(*parts, strict=True)
     names = tuple(f"run {k}" for k in range(len(parts)))
-    return RunNormal(names, np.array(information), np.array(pull))
+    return RunNormal(names, np.array(information), np.array(pull), nothing(3))
+
+
+def nothing(size):
+    return Normal(0.0, np.zeros(size), np.zeros((size, size)))
 
 
 @pytest.mark.parametrize(
@@ -87,12 +92,13 @@ def simple(information, pull):
         tuple(f"run {k}" for k in range(len(pull))),
         np.asarray(information, dtype=float)[:, None, None],
         np.asarray(pull, dtype=float)[:, None],
+        nothing(1),
     )
 
 
 def test_a_step_ends_at_its_bound_and_the_others_follow():
     information = np.array([[2.0, 0.9, 0.0], [0.9, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    normal = RunNormal(("a",), information[None], np.array([[0.3, 1.0, -0.5]]))
+    normal = RunNormal(("a",), information[None], np.array([[0.3, 1.0, -0.5]]), nothing(3))
     lower = np.array([-np.inf, -0.1, -np.inf])
     (step,) = moves(normal, np.ones((1, 1)), lower=lower)
     # The second stands at its bound, so the first minimises the rest by itself.
@@ -101,7 +107,10 @@ def test_a_step_ends_at_its_bound_and_the_others_follow():
 
 def test_what_only_the_run_left_out_tells_is_not_a_number():
     normal = RunNormal(
-        ("a", "b"), np.array([np.diag([1.0, 4.0]), np.diag([1.0, 0.0])]), np.zeros((2, 2))
+        ("a", "b"),
+        np.array([np.diag([1.0, 4.0]), np.diag([1.0, 0.0])]),
+        np.zeros((2, 2)),
+        nothing(2),
     )
     step = moves(normal, 1.0 - np.eye(2), lower=np.full(2, -np.inf))
     np.testing.assert_array_equal(np.isnan(step), [[False, True], [False, False]])
@@ -110,7 +119,10 @@ def test_what_only_the_run_left_out_tells_is_not_a_number():
 def test_two_quantities_that_only_the_run_left_out_told_apart_are_not_numbers():
     together = np.array([[1.0, 1.0], [1.0, 1.0]])
     normal = RunNormal(
-        ("a", "b"), np.array([together + np.diag([0.0, 1.0]), together]), np.zeros((2, 2))
+        ("a", "b"),
+        np.array([together + np.diag([0.0, 1.0]), together]),
+        np.zeros((2, 2)),
+        nothing(2),
     )
     step = moves(normal, 1.0 - np.eye(2), lower=np.full(2, -np.inf))
     np.testing.assert_array_equal(np.isnan(step), [[True, True], [False, False]])

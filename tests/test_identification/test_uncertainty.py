@@ -45,6 +45,24 @@ def test_intervals_cover_for_white_and_for_standing_errors(noise):
     assert coverage(noise) >= 0.917
 
 
+def test_intervals_cover_with_a_number_measured_otherwise_beside_standing_errors():
+    """Its error is its own and as stated, whatever the runs' residuals do."""
+    random, inside, draws = np.random.default_rng(6), 0, 400
+    for _ in range(draws):
+        noise, design = standing_still(random), np.ones((RUNS, BLOCKS, SAMPLES, 1))
+        # The runs know their mean to 0.3, whatever their number of samples says.
+        information = np.array([[1 / 0.3**2]])
+        other = random.normal(scale=0.3)
+        matrix = np.einsum("rbsn,rbsm->nm", design, design)
+        whole = matrix + information
+        estimate = np.linalg.solve(whole, [noise.sum() + information[0, 0] * other])
+        scores = np.einsum("rbsn,rbs->rbn", design, noise - estimate[0])
+        found = covariance(whole, scores, np.array([True]), otherwise=information)
+        half = half_width(found.sigma[0], 0.95, found.degrees_of_freedom[0])
+        inside += abs(estimate[0]) <= half
+    assert inside / draws >= 0.917
+
+
 def test_white_noise_intervals_would_not_cover_standing_errors():
     random = np.random.default_rng(5)
     outside = 0
