@@ -79,6 +79,11 @@ def write_parameters(
                     if run.name in estimate.circumstances
                     else None
                 ),
+                "clock_drift": (
+                    float(estimate.circumstances[run.name].clock_drift)
+                    if run.name in estimate.circumstances
+                    else None
+                ),
             }
             for run in estimate.comparisons
         ],

@@ -71,6 +71,7 @@ def calibrate(
     free: Sequence[str] | None = None,
     hold_out: Sequence[str] | None = None,
     measured: Sequence[Measured] = (),
+    clock_drifts: bool = False,
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     progress: Progress = lambda doing, share: None,
@@ -84,6 +85,7 @@ def calibrate(
         hold_out: Names of the runs to predict instead of fitting them; None for
             `held_out_by_default`.
         measured: What was measured otherwise.
+        clock_drifts: Whether the cameras' clocks may drift.
         leg_times: Times of a leg that the tuning is made for [s].
         effort: How much is spent on the tuning.
         progress: Told what is being done and which share of it is done.
@@ -99,7 +101,16 @@ def calibrate(
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
         compiled = aside.submit(prepare, consistent(), leg_times=leg_times, effort=effort)
-        found = _fitted(campaign, free, names, measured, stage(progress, 0.02, 0.7))
+        known = {
+            "hold_out": names,
+            "measured": measured,
+            "clock_drifts": clock_drifts,
+            "progress": stage(progress, 0.02, 0.7),
+        }
+        if free is None:
+            found = select(campaign, **known)
+        else:
+            found = estimate(campaign, free=free, **known)
         compiled.result()
     progress("ring-downs", 0.7)
     notes = _notes(campaign, found)
@@ -118,21 +129,6 @@ def calibrate(
         progress=stage(progress, 0.75, 0.95),
     )
     return Calibration(campaign, found, frequencies, tuned, tuple(notes))
-
-
-def _fitted(
-    campaign: Campaign,
-    free: Sequence[str] | None,
-    hold_out: tuple[str, ...],
-    measured: Sequence[Measured],
-    progress: Progress,
-) -> Estimate:
-    """The fit that was asked for, or the usual one with what it turns out to need."""
-    if free is None:
-        return select(campaign, hold_out=hold_out, measured=measured, progress=progress)
-    return estimate(
-        campaign, free=free, hold_out=hold_out, measured=measured, progress=progress
-    )
 
 
 def write_calibration(

@@ -333,14 +333,22 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> list[str]:
         and run.camera is not None
         and run.name in estimate.circumstances
     ]
+    drifts = [1e6 * float(own.clock_drift) for own in estimate.circumstances.values()]
+    drifting = [
+        f"By the fit the cameras' clocks run {plain(min(drifts), 3)} to "
+        f"{plain(max(drifts), 3)} ppm faster than the drives'."
+    ] * estimate.clock_drifts
     if not unknown:
-        return []
+        return drifting
     offsets = {name: 1e3 * float(estimate.circumstances[name].clock_offset) for name in unknown}
     told = "; ".join(f"{name} {plain(offset, 3)} ms" for name, offset in offsets.items())
     if len(offsets) > _LISTED:
         low, high = min(offsets.values()), max(offsets.values())
         told = f"{plain(low, 3)} to {plain(high, 3)} ms in {len(offsets)} runs"
-    return [f"The camera's clock was unknown and estimated, camera minus drive: {told}."]
+    return [
+        f"The camera's clock was unknown and estimated, camera minus drive: {told}.",
+        *drifting,
+    ]
 
 
 def _skipped(campaign: Campaign) -> list[str]:

@@ -19,11 +19,13 @@ from identification.misfit import channel_misfit
 from identification.record import MotorRecord, Record
 from identification.residuals import (
     Circumstances,
+    Motion,
     Residuals,
     encoder_residuals,
+    move,
     residuals,
 )
-from identification.unknowns import Unknowns, apply
+from identification.unknowns import CLOCK, Unknowns, apply
 from scdpr_jax.drive import motor_torque
 from scdpr_jax.parameters import Drive, Robot
 
@@ -111,8 +113,9 @@ def run_residuals(
     Returns:
         The residuals.
     """
-    fitted = apply(robot, free, unknown[: len(free)])
-    return residuals(fitted, Circumstances(*unknown[len(free) :]), record)
+    own = Circumstances(*unknown[len(free) :])
+    motion = move(apply(robot, free, unknown[: len(free)]), own, record)
+    return residuals(motion, own, record)
 
 
 @eqx.filter_jit
@@ -138,12 +141,7 @@ def run_sums(
 
     def one(unknown: Float[Array, " n"], number: Int[Array, ""]) -> RunSums:
         record = jax.tree.map(lambda leaf: leaf[number], records)
-
-        def both(x: Float[Array, " n"]) -> tuple[Residuals, Residuals]:
-            found = run_residuals(robot, free, x, record)
-            return found, found
-
-        jacobian, found = jax.jacfwd(both, has_aux=True)(unknown)
+        found, jacobian = residuals_and_jacobian(robot, free, unknown, record)
         end = jnp.sum(record.inputs.duration)
         when = jnp.concatenate([jnp.zeros(1), jnp.cumsum(record.inputs.duration)])
 
@@ -167,6 +165,39 @@ def run_sums(
         )
 
     return jax.vmap(one)(unknowns, run)
+
+
+def residuals_and_jacobian(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: Record
+) -> tuple[Residuals, Residuals]:
+    """Residuals of one run, and their derivatives.
+
+    The camera's clock moves no robot: its derivatives need no tangent of the motion.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+        record: The run.
+
+    Returns:
+        The residuals, and the same with a last axis for their derivatives.
+    """
+    moving, clock = unknown[:-CLOCK], unknown[-CLOCK:]
+
+    def moved(x: Float[Array, " moving"]) -> tuple[Residuals, tuple[Residuals, Motion]]:
+        own = Circumstances(*x[len(free) :], *clock)
+        motion = move(apply(robot, free, x[: len(free)]), own, record)
+        found = residuals(motion, own, record)
+        return found, (found, motion)
+
+    by_moving, (found, motion) = jax.jacfwd(moved, has_aux=True)(moving)
+
+    def ticked(x: Float[Array, " clock"]) -> Residuals:
+        return residuals(motion, Circumstances(*moving[len(free) :], *x), record)
+
+    by_clock = jax.jacfwd(ticked)(clock)
+    return found, jax.tree.map(lambda *of: jnp.concatenate(of, axis=-1), by_moving, by_clock)
 
 
 @eqx.filter_jit

@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 from identification.accumulate import motor_angles
 from identification.campaign.types import Run, Sensors
 from identification.record import MotorRecord, Record
-from identification.residuals import Circumstances, predict
+from identification.residuals import Circumstances, frames, move
 from identification.unknowns import apply
 from scdpr_jax.parameters import Robot
 
@@ -119,15 +119,16 @@ def predictions(
     ) -> tuple[Float[Array, "rows 5"], Float[Array, "rows 2"], Float[Array, "frames 5"]]:
         record = jax.tree.map(lambda leaf: leaf[number], records)
         fitted = apply(robot, free, unknown[: len(free)])
-        states, angle, frames = predict(fitted, Circumstances(*unknown[len(free) :]), record)
-        return states.position, angle, frames
+        own = Circumstances(*unknown[len(free) :])
+        motion = move(fitted, own, record)
+        return motion.states.position, motion.angle, frames(motion, own, record)
 
     return jax.vmap(one)(unknowns, run)
 
 
 def compare(
     predicted: Predicted,
-    offsets: Float[np.ndarray, " runs"],
+    clocks: Float[np.ndarray, "runs 2"],
     records: Record,
     *,
     runs: tuple[Run, ...],
@@ -138,7 +139,8 @@ def compare(
 
     Args:
         predicted: What `predictions` gives for them.
-        offsets: Their cameras' clocks, beside what was known of them before [s].
+        clocks: Their cameras' clocks, beside what was known of them before: offset [s] and
+            drift [1].
         records: The runs' records.
         runs: The runs, in the same order.
         sensors: The sensors' noise.
@@ -165,7 +167,9 @@ def compare(
             )
         used = seen[number, :count] > 0
         measured = np.where(used, frame[number, :count], np.nan)
-        stamps = frame_time[number, :count] - offsets[number] + run.drive.time[0]
+        offset, drift = clocks[number]
+        since = (frame_time[number, :count] - offset) / (1 + drift)
+        stamps = since + run.drive.time[0]
         found.append(
             _comparison(
                 run,

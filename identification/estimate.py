@@ -27,7 +27,15 @@ from identification.uncertainty import (
     is_untold,
     judge,
 )
-from identification.unknowns import DEFAULT_FREE, FOLLOWS, PER_SETTING, Unknowns, decode, encode
+from identification.unknowns import (
+    CLOCK,
+    DEFAULT_FREE,
+    FOLLOWS,
+    PER_SETTING,
+    Unknowns,
+    decode,
+    encode,
+)
 from scdpr_jax.parameters import QUANTITIES, Robot, exact, quantity, replace, value
 from scdpr_jax.prototype import consistent
 
@@ -78,6 +86,8 @@ class Estimate:
     """Which run moves which quantity, and the bootstrap over runs."""
     measured: tuple[Measured, ...] = ()
     """What was measured otherwise."""
+    clock_drifts: bool = False
+    """Whether the cameras' clocks may drift."""
     models: tuple[Model, ...] = ()
     """The models that were compared, the usual one first; empty where that is enough."""
     choice: int = 0
@@ -117,6 +127,7 @@ def estimate(
     free: Sequence[str] = DEFAULT_FREE,
     hold_out: Sequence[str] = (),
     measured: Sequence[Measured] = (),
+    clock_drifts: bool = False,
     progress: Progress = lambda doing, share: None,
 ) -> Estimate:
     """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
@@ -135,6 +146,8 @@ def estimate(
             circumstances are estimated once these are known, to predict them.
         measured: What was measured otherwise: it counts as a measurement of its own, and
             a quantity that was is free.
+        clock_drifts: Whether the cameras' clocks may drift: a rate for each run is then
+            estimated with its offset.
         progress: Told what is being done and which share of it is done.
 
     Returns:
@@ -147,7 +160,14 @@ def estimate(
     """
     require_float64()
     prior = exact(replace(robot or consistent(), campaign.robot))
-    problem = Problem.of(campaign, prior, free, frozenset(hold_out), measured=measured)
+    problem = Problem.of(
+        campaign,
+        prior,
+        free,
+        frozenset(hold_out),
+        measured=measured,
+        clock_drifts=clock_drifts,
+    )
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # Compiling leaves the interpreter free: the rest comes along meanwhile.
         aside.submit(problem.compile)
@@ -215,6 +235,7 @@ def solve(
             measurements=problem.measurements(),
         ),
         measured=problem.measured,
+        clock_drifts=problem.clock_drifts,
         identifiability=identifiability(problem, minimum.point, sums),
         influence=influence(
             run_normal(problem, minimum.point, sums),
@@ -244,8 +265,37 @@ def vector(problem: Problem, found: Estimate) -> Float[np.ndarray, " n"]:
     for row, run in enumerate(problem.cabled):
         own = found.circumstances[problem.runs[run].name]
         clock = float(own.clock_offset) - problem.clocks[row].offset
-        point[problem.own(run)] = [own.lower, own.upper, own.height, own.knock, clock]
+        point[problem.own(run)] = [
+            own.lower,
+            own.upper,
+            own.height,
+            own.knock,
+            clock,
+            own.clock_drift,
+        ]
     return point
+
+
+def solved(campaign: Campaign, found: Estimate) -> tuple[Problem, Float[np.ndarray, " n"]]:
+    """The problem that an estimate solved, and where.
+
+    Args:
+        campaign: The campaign that the estimate is of.
+        found: The estimate.
+
+    Returns:
+        The problem, corrected about the estimate, and the estimate as its vector.
+    """
+    problem = Problem.of(
+        campaign,
+        found.robot,
+        tuple(dict.fromkeys(p.name for p in found.parameters if p.status != "fixed")),
+        frozenset(run.name for run in found.comparisons if run.held_out),
+        measured=found.measured,
+        clock_drifts=found.clock_drifts,
+    )
+    point = vector(problem, found)
+    return problem.corrected(point), point
 
 
 def _told(
@@ -327,10 +377,9 @@ def _circumstances(
     """What was estimated of each run; clocks with what was known of them before."""
     found = {}
     for run, known in zip(problem.cabled, problem.clocks, strict=True):
-        own = point[problem.unknowns.of_run(run)[len(problem.unknowns.free) :]]
-        lower, upper, height, knock, clock = (float(number) for number in own)
+        lower, upper, height, knock, clock, drift = map(float, point[problem.own(run)])
         found[problem.runs[run].name] = Circumstances(
-            lower, upper, height, knock, clock + known.offset
+            lower, upper, height, knock, clock + known.offset, drift
         )
     return found
 
@@ -346,7 +395,7 @@ def _comparisons(
     }
     found: list[Comparison] = []
     if problem.records is not None:
-        predicted, clocks = problem.predictions(point), problem.vectors(point)[:, -1]
+        predicted, clocks = problem.predictions(point), problem.vectors(point)[:, -CLOCK:]
         runs = tuple(problem.runs[i] for i in problem.cabled)
         found += compare(predicted, clocks, problem.records, runs=runs, **common)
     if problem.motor_records is not None:

@@ -17,7 +17,7 @@ from jaxtyping import Array, Float, PRNGKeyArray
 from identification.campaign.types import Sensors
 from identification.excitation import KNOCK_TIME, REST, STEP
 from identification.record import Record
-from identification.residuals import Circumstances, encoder_residuals, predict
+from identification.residuals import Circumstances, encoder_residuals, frames, move
 from identification.unknowns import apply
 from scdpr_jax.dynamics import State
 from scdpr_jax.fields import real, si
@@ -32,6 +32,9 @@ MARGIN = 0.1
 
 KNOCK_SPREAD = 0.3
 """Standard deviation of a knock's force over what was asked for [1]."""
+
+ON_TIME = (0.0, 0.0)
+"""Offset and drift of a camera's clock that runs with the drives' [s, 1]."""
 
 
 class Rig(eqx.Module):
@@ -172,8 +175,9 @@ def expected_over(
 
     def moved(unit: Float[Array, " m"]) -> tuple[State, Array, Array]:
         quantities = rig.bounded(truth + rig.root @ unit[:count])
-        circumstances = Circumstances(*(own + known * unit[count:]), jnp.zeros(()))
-        return predict(apply(rig.robot, rig.names, quantities), circumstances, record)
+        circumstances = Circumstances(*(own + known * unit[count:]), *ON_TIME)
+        motion = move(apply(rig.robot, rig.names, quantities), circumstances, record)
+        return motion.states, motion.angle, frames(motion, circumstances, record)
 
     centre = jnp.zeros_like(over[:1])
     states, angle, frame = jax.vmap(moved)(jnp.concatenate([centre, over.T, -over.T]))
@@ -211,8 +215,8 @@ def _record(rig: Rig, run: PlannedRun) -> Record:
         frame_time=stamps,
         frame=jnp.zeros((stamps.size, 5)),
         frame_weight=jnp.where(seen[:, None], 1 / rig.camera_sigma[None], 0.0),
-        known=jnp.zeros(4),
-        known_weight=jnp.full(4, jnp.sqrt(REST * FRAME_RATE)) / rig.camera_sigma[0],
+        known=jnp.zeros(5),
+        known_weight=jnp.full(5, jnp.sqrt(REST * FRAME_RATE)) / rig.camera_sigma[0],
     )
 
 
@@ -269,6 +273,6 @@ def motion(rig: Rig, run: PlannedRun) -> State:
         States at the ends of the run's intervals.
     """
     x, y = run.start
-    own = Circumstances(x, x, y, run.knock, jnp.zeros(()))
+    own = Circumstances(x, x, y, run.knock, *ON_TIME)
     robot = apply(rig.robot, rig.names, rig.point)
-    return predict(robot, own, _record(rig, run))[0]
+    return move(robot, own, _record(rig, run)).states

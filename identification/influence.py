@@ -215,7 +215,7 @@ def telling_runs(normal: RunNormal) -> Float[np.ndarray, " n"]:
 
 
 def _eliminated(
-    sums: RunSums, count: int, active: Bool[np.ndarray, "5"]
+    sums: RunSums, count: int, active: Bool[np.ndarray, " circumstances"]
 ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, " n"]]:
     """A run's information and pull on its first `count` unknowns, the others solved for."""
     matrix, pull = sums.matrix, sums.gradient

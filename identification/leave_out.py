@@ -6,9 +6,8 @@ from collections.abc import Callable
 import numpy as np
 
 from identification.campaign.types import Campaign
-from identification.estimate import Estimate, vector
+from identification.estimate import Estimate, solved
 from identification.influence import decoded, known_sigma
-from identification.problem import Problem
 
 
 def without_each_run(
@@ -28,11 +27,7 @@ def without_each_run(
         The estimate, `influence` with what the fits found; its bootstrap as it was.
     """
     parameters = [p for p in found.parameters if p.status != "fixed"]
-    free = tuple(dict.fromkeys(p.name for p in parameters))
-    held_out = frozenset(run.name for run in found.comparisons if run.held_out)
-    problem = Problem.of(campaign, found.robot, free, held_out, measured=found.measured)
-    point = vector(problem, found)
-    problem = problem.corrected(point)
+    problem, point = solved(campaign, found)
     known, names = found.influence, [p.name for p in parameters]
     ends = []
     for number, run in enumerate(problem.fitted()):

@@ -59,6 +59,8 @@ class Problem:
     """Those runs; None without any."""
     measured: tuple[Measured, ...] = ()
     """What was measured otherwise."""
+    clock_drifts: bool = False
+    """Whether the cameras' clocks may drift."""
 
     @classmethod
     def of(
@@ -69,6 +71,7 @@ class Problem:
         hold_out: frozenset[str],
         *,
         measured: Sequence[Measured] = (),
+        clock_drifts: bool = False,
     ) -> "Problem":
         """The problem of a campaign.
 
@@ -78,6 +81,7 @@ class Problem:
             free: Names of the free quantities, besides those that were measured otherwise.
             hold_out: Names of the runs to hold out.
             measured: What was measured otherwise.
+            clock_drifts: Whether the cameras' clocks may drift.
 
         Returns:
             The problem.
@@ -95,7 +99,13 @@ class Problem:
         height = float(value(prior, "frame_height"))
         records, rough, factor = None, None, 1
         if cabled:
-            records = stacked([runs[i] for i in cabled], known, sensors, height=height)
+            records = stacked(
+                [runs[i] for i in cabled],
+                known,
+                sensors,
+                height=height,
+                clock_drifts=clock_drifts,
+            )
             duration = np.asarray(records.inputs.duration)
             factor = max(1, round(COARSE_STEP / float(np.median(duration[duration > 0]))))
             rough = coarse(records, factor)
@@ -103,7 +113,7 @@ class Problem:
         return cls(
             runs=runs,
             prior=prior,
-            unknowns=layout(runs, with_measured(free, measured)),
+            unknowns=layout(runs, with_measured(free, measured), clock_drifts=clock_drifts),
             held_out=held_out,
             cabled=cabled,
             clocks=known,
@@ -113,6 +123,7 @@ class Problem:
             motors=motors,
             motor_records=motor_record([runs[i] for i in motors], sensors) if motors else None,
             measured=tuple(measured),
+            clock_drifts=clock_drifts,
         )
 
     @property
@@ -123,9 +134,8 @@ class Problem:
     def at_rest(self) -> Float[np.ndarray, " n"]:
         """The point of the prior robot, every run starting where it was seen to."""
         unknowns = self.unknowns
-        point = np.concatenate(
-            [start_values(self.prior, unknowns), np.zeros(5 * len(self.runs))]
-        )
+        own = np.zeros(unknowns.active.size)
+        point = np.concatenate([start_values(self.prior, unknowns), own])
         for row, run in enumerate(self.cabled):
             point[self.own(run)[:3]] = self.records.known[row, :3]
         return point
@@ -137,7 +147,7 @@ class Problem:
             run: Number of the run.
 
         Returns:
-            Five indices, in the order of `Circumstances`.
+            Indices in the order of `Circumstances`.
         """
         return self.unknowns.of_run(run)[len(self.unknowns.free) :]
 

@@ -12,9 +12,8 @@ import numpy as np
 from jaxtyping import Float
 
 from identification.campaign.types import Campaign
-from identification.estimate import Estimate, vector
+from identification.estimate import Estimate, solved
 from identification.levenberg_marquardt import Normal, minimise_together
-from identification.problem import Problem
 from identification.unknowns import decode, encode
 from scdpr_jax.parameters import quantity
 
@@ -85,11 +84,7 @@ def profiles(
         Their profiles, in the estimate's order.
     """
     chosen = [p for p in found.parameters if p.status != "fixed"]
-    free = tuple(dict.fromkeys(p.name for p in chosen))
-    held_out = frozenset(run.name for run in found.comparisons if run.held_out)
-    problem = Problem.of(campaign, found.robot, free, held_out, measured=found.measured)
-    point = vector(problem, found)
-    problem = problem.corrected(point)
+    problem, point = solved(campaign, found)
     (best,) = problem.evaluate([point])
     return tuple(
         _profile(problem, point, best, parameter, iterations)

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Run, Sensors
-from identification.start import CLOCK_MARGIN, Clock, start_pose
+from identification.start import CLOCK_MARGIN, USUAL_DRIFT, Clock, start_pose
 from scdpr_jax.fields import real, si
 from scdpr_jax.stepping import Inputs
 
@@ -35,10 +35,11 @@ class Record(eqx.Module):
     """Camera positions; 0 where a marker was lost [m, rad, m, m, m]."""
     frame_weight: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("1/m"))
     """Inverse standard deviations of the positions; 0 where there is none [1/m, 1/rad]."""
-    known: Float[Array, "... 4"] = eqx.field(converter=real, metadata=si("m, s"))
+    known: Float[Array, "... 5"] = eqx.field(converter=real, metadata=si("m, s, 1"))
     """What is known before: start of the lower carriage, of the upper one and of the
-    height [m], and how far the clock is off what the stamps were put on by [s]."""
-    known_weight: Float[Array, "... 4"] = eqx.field(converter=real, metadata=si("1/m, 1/s"))
+    height [m], how far the clock is off what the stamps were put on by [s], and its drift
+    [1]."""
+    known_weight: Float[Array, "... 5"] = eqx.field(converter=real, metadata=si("1/m, 1/s, 1"))
     """Inverse standard deviations of that; 0 for a clock that the log states."""
 
 
@@ -86,6 +87,7 @@ def record(
     height: float,
     rows: int,
     frames: int,
+    clock_drifts: bool,
 ) -> Record:
     """The run as arrays of a given size.
 
@@ -96,6 +98,7 @@ def record(
         height: Height of the frame [m].
         rows: Rows of the drive's stream to pad to.
         frames: Camera frames to pad to.
+        clock_drifts: Whether the camera's clock may drift.
 
     Returns:
         The run's arrays. Camera frames from before anything moves tell the start; those
@@ -107,8 +110,11 @@ def record(
     time = run.drive.time - run.drive.time[0]
     share = readings(run.drive.angle)
     stamps, frame = _camera(run, clock.offset)
-    margin = CLOCK_MARGIN if run.clock_offset is None else 0.0
+    margin = CLOCK_MARGIN if run.clock_offset is None or clock_drifts else 0.0
     known = start_pose(run, clock.offset, sensors, height)
+    drift = USUAL_DRIFT if clock_drifts else 0.0
+    # What was known of the offset was its mean over the run.
+    offset_sigma = np.hypot(clock.sigma, drift * time[-1] / 2)
     inside = (stamps > known.until) & (stamps <= time[-1] - margin)
     seen = np.isfinite(frame) & inside[:, None]
     sigma = np.full(5, sensors.camera_position_sigma)
@@ -125,13 +131,21 @@ def record(
         frame_time=_pad(stamps, frames),
         frame=_pad(np.where(seen, frame, 0.0), frames),
         frame_weight=_pad(seen / sigma, frames),
-        known=np.append(known.position, 0.0),
-        known_weight=np.append(1 / known.sigma, 1 / clock.sigma if clock.sigma > 0 else 0.0),
+        known=np.append(known.position, [0.0, 0.0]),
+        known_weight=np.append(
+            1 / known.sigma,
+            [1 / offset_sigma if clock.sigma > 0 else 0.0, 1 / drift if drift > 0 else 0.0],
+        ),
     )
 
 
 def stacked(
-    runs: Sequence[Run], clocks: Sequence[Clock], sensors: Sensors, *, height: float
+    runs: Sequence[Run],
+    clocks: Sequence[Clock],
+    sensors: Sensors,
+    *,
+    height: float,
+    clock_drifts: bool = False,
 ) -> Record:
     """Runs with the cable on, padded to the longest and stacked.
 
@@ -140,6 +154,7 @@ def stacked(
         clocks: What is known of the camera's clock in each.
         sensors: The sensors' noise.
         height: Height of the frame [m].
+        clock_drifts: Whether the cameras' clocks may drift.
 
     Returns:
         Their records, with a leading axis over the runs.
@@ -147,7 +162,15 @@ def stacked(
     rows = max(run.drive.time.size for run in runs)
     frames = max((run.camera.time.size for run in runs if run.camera is not None), default=1)
     each = [
-        record(run, clock, sensors, height=height, rows=rows, frames=frames)
+        record(
+            run,
+            clock,
+            sensors,
+            height=height,
+            rows=rows,
+            frames=frames,
+            clock_drifts=clock_drifts,
+        )
         for run, clock in zip(runs, clocks, strict=True)
     ]
     return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)

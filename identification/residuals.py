@@ -12,7 +12,7 @@ from scdpr_jax.closed_loop import pulley_angles
 from scdpr_jax.dynamics import State, rest
 from scdpr_jax.fields import real, si
 from scdpr_jax.parameters import Robot
-from scdpr_jax.stepping import interpolate, simulate
+from scdpr_jax.stepping import Inputs, interpolate, simulate
 
 
 class Circumstances(eqx.Module):
@@ -27,7 +27,9 @@ class Circumstances(eqx.Module):
     knock: Float[Array, "..."] = eqx.field(converter=real, metadata=si("N", "F"))
     """Force of the knock while it lasts [N]."""
     clock_offset: Float[Array, "..."] = eqx.field(converter=real, metadata=si("s"))
-    """Camera time minus drive time, beyond what the log says [s]."""
+    """Camera time minus drive time at the run's first row, beyond what the log says [s]."""
+    clock_drift: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1"))
+    """By how much the camera's clock runs faster than the drives' [1]."""
 
 
 class Residuals(NamedTuple):
@@ -37,57 +39,95 @@ class Residuals(NamedTuple):
     """Of the encoders; their arbitrary zero is taken out."""
     frame: Float[Array, "frames 5"]
     """Of the camera."""
-    known: Float[Array, "4"]
-    """Of what is known before: start of both carriages and of the height, clock."""
+    known: Float[Array, "5"]
+    """Of what is known before: start of both carriages and of the height, the clock's offset
+    and drift."""
 
 
-def predict(
-    robot: Robot, circumstances: Circumstances, record: Record
-) -> tuple[State, Float[Array, "rows 2"], Float[Array, "frames 5"]]:
-    """The run as the robot would do it: states, encoder angles and camera positions.
+class Motion(NamedTuple):
+    """A run as the robot would do it, at the rows of the drive's stream."""
+
+    states: State
+    """The robot."""
+    angle: Float[Array, "rows 2"]
+    """Encoder angles from the start's [rad]."""
+    inputs: Inputs
+    """What acted on it."""
+
+
+def move(robot: Robot, circumstances: Circumstances, record: Record) -> Motion:
+    """The run as the robot would do it.
 
     Args:
         robot: The robot, with exact Coulomb friction.
-        circumstances: What belongs to this run alone.
+        circumstances: What belongs to this run alone; the clock has no part in it.
         record: The run.
 
     Returns:
-        States at the rows of the drive's stream, angles [rad] from the start's, and
-        positions [m, rad, m, m, m] at the camera's stamps.
+        Its motion.
     """
     start = rest(robot, circumstances.lower, circumstances.upper, circumstances.height)
     inputs = eqx.tree_at(
         lambda i: i.knock, record.inputs, circumstances.knock * record.inputs.knock
     )
     states = simulate(robot, start, inputs)
-    angles = jax.vmap(lambda state: pulley_angles(robot, state, start))(states)
+    return Motion(
+        states, jax.vmap(lambda state: pulley_angles(robot, state, start))(states), inputs
+    )
 
+
+def frames(
+    motion: Motion, circumstances: Circumstances, record: Record
+) -> Float[Array, "frames 5"]:
+    """What the camera would see of a motion.
+
+    Args:
+        motion: The motion.
+        circumstances: What belongs to this run alone, of which the clock matters.
+        record: The run.
+
+    Returns:
+        Positions at the camera's stamps [m, rad, m, m, m].
+    """
+    inputs = motion.inputs
     ends = jnp.cumsum(inputs.duration)
-    instant = record.frame_time - circumstances.clock_offset
+    instant = drive_time(record.frame_time, circumstances)
     interval = jnp.clip(jnp.searchsorted(ends, instant), 0, ends.size - 1)
     duration = inputs.duration[interval]
     into = instant - (ends[interval] - duration)
     fraction = jnp.clip(into / jnp.where(duration > 0, duration, 1.0), 0.0, 1.0)
-    frames = interpolate(states, inputs, interval=interval, fraction=fraction)
-    return states, angles, frames
+    return interpolate(motion.states, inputs, interval=interval, fraction=fraction)
 
 
-def residuals(robot: Robot, circumstances: Circumstances, record: Record) -> Residuals:
+def drive_time(stamp: Float[Array, "..."], circumstances: Circumstances) -> Float[Array, "..."]:
+    """Instants of the drives' clock at stamps of the camera's.
+
+    Args:
+        stamp: Stamps, less what was known of the clock before [s].
+        circumstances: The run's own, of which the clock matters.
+
+    Returns:
+        Instants since the run's first row [s].
+    """
+    return (stamp - circumstances.clock_offset) / (1 + circumstances.clock_drift)
+
+
+def residuals(motion: Motion, circumstances: Circumstances, record: Record) -> Residuals:
     """Measurement minus simulation over the noise's standard deviation.
 
     Args:
-        robot: The robot, with exact Coulomb friction.
+        motion: The run as the robot would do it.
         circumstances: What belongs to this run alone.
         record: The run.
 
     Returns:
         Residuals; zero where nothing was measured.
     """
-    _, angle, frame = predict(robot, circumstances, record)
     own = circumstances
-    assumed = jnp.stack([own.lower, own.upper, own.height, own.clock_offset])
+    assumed = jnp.stack([own.lower, own.upper, own.height, own.clock_offset, own.clock_drift])
+    frame = frames(motion, own, record)
     return Residuals(
-        angle=encoder_residuals(record.angle - angle, record.angle_weight),
+        angle=encoder_residuals(record.angle - motion.angle, record.angle_weight),
         frame=record.frame_weight * (record.frame - frame),
         known=record.known_weight * (record.known - assumed),
     )

@@ -29,6 +29,7 @@ def select(
     *,
     hold_out: Sequence[str] = (),
     measured: Sequence[Measured] = (),
+    clock_drifts: bool = False,
     refinements: Sequence[Refinement] = REFINEMENTS,
     progress: Progress = lambda doing, share: None,
 ) -> Estimate:
@@ -48,6 +49,7 @@ def select(
         campaign: The campaign.
         hold_out: Names of runs that say nothing about the shared quantities.
         measured: What was measured otherwise, as in `estimate`.
+        clock_drifts: Whether the cameras' clocks may drift.
         refinements: What may be added.
         progress: Told what is being done and which share of it is done.
 
@@ -63,13 +65,21 @@ def select(
         campaign,
         hold_out=hold_out,
         measured=measured,
+        clock_drifts=clock_drifts,
         progress=lambda doing, share: progress(doing, 0.4 * share),
     )
     if all(channel.is_noise for run in usual.comparisons for channel in run.channels):
         return usual
     every = (*DEFAULT_FREE, *(name for one in refinements for name in one.free))
     prior = exact(replace(consistent(), campaign.robot))
-    whole = Problem.of(campaign, prior, every, frozenset(hold_out), measured=measured)
+    whole = Problem.of(
+        campaign,
+        prior,
+        every,
+        frozenset(hold_out),
+        measured=measured,
+        clock_drifts=clock_drifts,
+    )
     point = vector(whole, usual)
     left, added = list(refinements), []
     fits: list[_Fit] = []
@@ -121,7 +131,8 @@ def _opened(whole: Problem, added: Sequence[Refinement]) -> Problem:
     added_free = (*DEFAULT_FREE, *(name for one in added for name in one.free))
     free = with_measured(added_free, whole.measured)
     unknowns = layout(whole.runs, whole.unknowns.free, opened=free)
-    return dataclasses.replace(whole, unknowns=unknowns)
+    same = dataclasses.replace(unknowns, active=whole.unknowns.active)
+    return dataclasses.replace(whole, unknowns=same)
 
 
 def _needed(
@@ -140,7 +151,7 @@ def _embedding(whole: Problem, part: Problem) -> Float[np.ndarray, "whole part"]
         known = (name, setting) in part.unknowns.shared
         same = (name if known else FOLLOWS[name], setting)
         matrix[index, part.unknowns.shared.index(same)] = 1.0
-    own = 5 * len(whole.runs)
+    own = whole.unknowns.active.size
     matrix[-own:, -own:] = np.eye(own)
     return matrix
 

@@ -14,6 +14,10 @@ CLOCK_MARGIN = 0.02
 UNKNOWN_CLOCK = 0.05
 """Standard deviation of a clock that no run tells anything about [s]."""
 
+USUAL_DRIFT = 1e-3
+"""Standard deviation of the drift of a camera's clock that may drift [1]: a quartz's is a
+tenth of it, stamps that a busy computer makes are worse."""
+
 STILL = 1e-3
 """Turn of a driver pulley that counts as standing still [rad]: less than 0.1 mm of cable."""
 

@@ -193,7 +193,7 @@ def _seen_knock(problem: Problem, row: int) -> float:
     after = np.flatnonzero((weight > 0) & (stamps > ended))
     if after.size == 0:
         return KNOCKS[-1] / 4
-    lower, upper, height, _ = np.asarray(record.known)[row]
+    lower, upper, height = np.asarray(record.known)[row, :3]
     robot = problem.prior
     at_rest = lower - (lower - upper) / float(value(robot, "frame_height")) * height
     moved = float(np.asarray(record.frame)[row, after[0], 0]) - at_rest

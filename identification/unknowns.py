@@ -31,8 +31,11 @@ where it is left out the carriages' takes it up."""
 FOLLOWS = {"upper_friction_coefficient": "friction_coefficient"}
 """Quantities that have the value of another one as long as they aren't free."""
 
-CIRCUMSTANCES = ("lower", "upper", "height", "knock", "clock_offset")
+CIRCUMSTANCES = ("lower", "upper", "height", "knock", "clock_offset", "clock_drift")
 """What is estimated of each run, in the order of `Circumstances`."""
+
+CLOCK = 2
+"""How many of these, the last ones, are the camera's clock: they move no robot."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,7 +48,7 @@ class Unknowns:
     """Name and pretension setting of each shared unknown."""
     local: Int[np.ndarray, "runs names"]
     """Which shared unknown each run's free quantity is."""
-    active: Bool[np.ndarray, "runs 5"]
+    active: Bool[np.ndarray, "runs circumstances"]
     """Which circumstances each run leaves open."""
     opened: Bool[np.ndarray, " shared"]
     """Which shared unknowns the fit may change; the others keep their values."""
@@ -64,8 +67,9 @@ class Unknowns:
         Returns:
             Indices, quantities first.
         """
-        first = len(self.shared) + 5 * run
-        return np.concatenate([self.local[run], np.arange(first, first + 5)])
+        count = len(CIRCUMSTANCES)
+        first = len(self.shared) + count * run
+        return np.concatenate([self.local[run], np.arange(first, first + count)])
 
     def lower(self) -> Float[np.ndarray, " size"]:
         """Lower bounds of the vector.
@@ -81,7 +85,11 @@ class Unknowns:
 
 
 def layout(
-    runs: Sequence[Run], free: tuple[str, ...], *, opened: Sequence[str] | None = None
+    runs: Sequence[Run],
+    free: tuple[str, ...],
+    *,
+    opened: Sequence[str] | None = None,
+    clock_drifts: bool = False,
 ) -> Unknowns:
     """The unknowns of a set of runs.
 
@@ -91,6 +99,7 @@ def layout(
         opened: Those of them that a fit may change, None for all: models that free
             different quantities then share what is compiled for `free`. The upper
             carriage's friction, if it isn't opened, follows the lower one's.
+        clock_drifts: Whether the cameras' clocks may drift.
 
     Returns:
         Their layout; motor steps leave no circumstances open.
@@ -132,7 +141,9 @@ def layout(
         free=free,
         shared=tuple(shared),
         local=np.array(local, dtype=int).reshape(len(runs), len(free)),
-        active=np.array([_open(run) for run in runs]).reshape(len(runs), 5),
+        active=np.array([_open(run, clock_drifts) for run in runs]).reshape(
+            len(runs), len(CIRCUMSTANCES)
+        ),
         opened=np.array([name in chosen for name, _ in shared], dtype=bool),
     )
 
@@ -195,8 +206,9 @@ def start_values(robot: Robot, unknowns: Unknowns) -> Float[np.ndarray, " shared
     return np.array(numbers, dtype=float)
 
 
-def _open(run: Run) -> list[bool]:
+def _open(run: Run, clock_drifts: bool) -> list[bool]:
     if run.kind == "motor_step":
-        return [False] * 5
-    unknown_clock = run.clock_offset is None and run.camera is not None
-    return [True, True, True, run.knock is not None, unknown_clock]
+        return [False] * len(CIRCUMSTANCES)
+    seen = run.camera is not None
+    unknown_clock = run.clock_offset is None and seen
+    return [True, True, True, run.knock is not None, unknown_clock, clock_drifts and seen]

@@ -16,6 +16,7 @@ def calibrate(
     free: tuple[str, ...] = (),
     hold_out: tuple[str, ...] | None = None,
     measured: tuple[str, ...] = (),
+    camera_drifts: bool = False,
 ) -> int:
     """Check a campaign, identify the robot, map its frequencies, tune it, and report.
 
@@ -31,6 +32,7 @@ def calibrate(
             goes the furthest. Give it without a name to fit every run.
         measured: What was measured otherwise, "NAME = VALUE +- STANDARD ERROR [at PLACE]",
             see `scdpr identify --help`.
+        camera_drifts: Whether the cameras' clocks may run faster or slower than the drives'.
     """
     set_up()
     from experiments import pipeline, summary
@@ -46,6 +48,7 @@ def calibrate(
             free=free or None,
             hold_out=hold_out,
             measured=otherwise,
+            clock_drifts=camera_drifts,
             progress=stage(progress, 0.0, 0.93),
         )
         progress("report", 0.93)

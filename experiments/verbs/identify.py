@@ -16,6 +16,7 @@ def identify(
     free: tuple[str, ...] = (),
     hold_out: tuple[str, ...] = (),
     measured: tuple[str, ...] = (),
+    camera_drifts: bool = False,
     profile: bool = False,
     leave_out: bool = False,
 ) -> int:
@@ -33,6 +34,8 @@ def identify(
             a quantity, which is then free; a breakaway_voltage at a pretension; a
             natural_frequency at a pretension and a height, as in "natural_frequency =
             3.2 Hz +- 0.02 Hz at 350 N, 0.55 m".
+        camera_drifts: Whether the cameras' clocks may run faster or slower than the drives':
+            a rate of each run is then estimated, too.
         profile: Trace the misfit along every quantity, too: whether it is bounded on both
             sides, on one, or on none. Takes as long again.
         leave_out: Fit anew without each run, too, to see which run moves what; otherwise
@@ -52,12 +55,13 @@ def identify(
     otherwise = tuple(map(parse_measured, measured))
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
-        if free:
-            found = estimate(
-                read, free=free, hold_out=hold_out, measured=otherwise, progress=progress
-            )
-        else:
-            found = select(read, hold_out=hold_out, measured=otherwise, progress=progress)
+        known = {
+            "hold_out": hold_out,
+            "measured": otherwise,
+            "clock_drifts": camera_drifts,
+            "progress": progress,
+        }
+        found = estimate(read, free=free, **known) if free else select(read, **known)
         traced = profiles(read, found) if profile else ()
         if leave_out:
             found = without_each_run(read, found, progress=progress)

@@ -22,7 +22,7 @@ def test_what_was_measured_otherwise_stands_beside_the_fit():
     assert measured_tables(estimate()) == ()
     (table,) = measured_tables(measured(off=1.0))
     assert table.rows == (
-        ("end effector mass", "", f"{OWN - 0.01:.3f}", "0.010", f"{OWN:.3f}", "kg", "1.0"),
+        ("end effector mass", "", f"{OWN - 0.01:.3f}", "0.010", f"{OWN:.3f}", "kg", "1.00"),
     )
 
 

@@ -1,3 +1,5 @@
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -21,9 +23,16 @@ def test_every_setting_has_its_own_pretension():
 def test_only_what_a_run_leaves_open_is_estimated_of_it():
     runs = [bare_run("torque_step"), bare_run("pseudo_impulse"), bare_run("motor_step")]
     active = layout(runs, DEFAULT_FREE).active
-    np.testing.assert_array_equal(active[0], [True, True, True, False, False])
-    np.testing.assert_array_equal(active[1], [True, True, True, True, False])
-    np.testing.assert_array_equal(active[2], [False] * 5)
+    np.testing.assert_array_equal(active[0], [True, True, True, False, False, False])
+    np.testing.assert_array_equal(active[1], [True, True, True, True, False, False])
+    np.testing.assert_array_equal(active[2], [False] * 6)
+
+
+def test_a_clock_drifts_only_where_asked_and_only_one_that_there_is():
+    blind = dataclasses.replace(bare_run("torque_step"), camera=None)
+    runs = [bare_run("torque_step"), blind, bare_run("motor_step")]
+    active = layout(runs, DEFAULT_FREE, clock_drifts=True).active
+    np.testing.assert_array_equal(active[:, -1], [runs[0].camera is not None, False, False])
 
 
 def test_a_robots_own_values_come_back_from_a_fits_vector():
