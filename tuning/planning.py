@@ -59,6 +59,8 @@ _RESTING = 1e-3
 decides it more than any motion does."""
 _TRACKING = 100e-3
 """Distance from the plain profile during the leg that counts as one [m]."""
+ORDERS = (2, 4, 6, 8, 10)
+"""Orders of the plain profile's `pace` to choose from, the paper's first [1]."""
 _PLAIN_SHARE = 0.92
 """Share of the voltage limit that the plain profile may ask for [1]: the PD answers a count of
 the encoders with some 0.6 V, and a saturated drive doesn't follow."""
@@ -96,7 +98,7 @@ def grid(
     start: Float[np.ndarray, "2"],
     end: Float[np.ndarray, "2"],
     *,
-    leg_time: float,
+    pace: "Pace",
     steps: int,
     hold: int,
 ) -> Grid:
@@ -105,21 +107,25 @@ def grid(
     Args:
         start: First position of the end-effector [m].
         end: Last position [m].
-        leg_time: Time of the leg [s].
+        pace: Time and plain profile of the leg.
         steps: Intervals in the leg.
         hold: Intervals after it.
 
     Returns:
         The grid.
     """
-    moving = leg_time - REST
+    leg_time, moving = pace.leg_time, pace.leg_time - REST
     period = leg_time / steps
     begins = period * np.arange(steps + hold)
     # One more instant than intervals: the profile's own end is exact.
     instants = [begins, begins + period / 2, begins + period]
     whole, shorter = (
         functools.partial(
-            plain_motion, jnp.asarray(start), jnp.asarray(end), leg_time=jnp.asarray(time)
+            plain_motion,
+            jnp.asarray(start),
+            jnp.asarray(end),
+            leg_time=jnp.asarray(time),
+            order=pace.order,
         )
         for time in (leg_time, moving)
     )
@@ -251,6 +257,15 @@ def _judge(
     )
 
 
+class Pace(NamedTuple):
+    """How fast a leg is, but for what the plan adds."""
+
+    leg_time: float
+    """Time of the leg [s]."""
+    order: int
+    """Order of its plain profile, `tuning.leg.pace`."""
+
+
 class Leg(NamedTuple):
     """A planned leg at the controller's period, from 0 to the leg's end inclusive."""
 
@@ -281,8 +296,8 @@ def plan_leg(
         controller: The PD controller that it will run under.
         start: Where the end-effector rests [m].
         end: Where it is to go [m].
-        leg_time: Time of the leg [s]; None for `LEG_TIME`, or longer where the drives
-            can't.
+        leg_time: Time of the leg [s]; None for `LEG_TIME`, or where the drives can't the
+            shortest in which they can.
         iterations: Steps of each search at the most.
         progress: Told what is being done and which share of it is done.
 
@@ -298,10 +313,10 @@ def plan_leg(
             "that is about one period of the slowest mode. Give the leg more time."
         )
     first, last = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    time = shortest_leg_time(robot, first, last) if leg_time is None else leg_time
-    found = _search(robot, controller, first, last, time, iterations, progress)
+    pace = chosen_pace(robot, first, last, leg_time)
+    found = _search(robot, controller, first, last, pace, iterations, progress)
     progress("commands at the controller's period", 0.9)
-    return _at_full_rate(robot, controller, first, last, time, found)
+    return _at_full_rate(robot, controller, first, last, pace, found)
 
 
 def _search(
@@ -309,14 +324,15 @@ def _search(
     controller: PD,
     start: Float[np.ndarray, "2"],
     end: Float[np.ndarray, "2"],
-    leg_time: float,
+    pace: Pace,
     iterations: int,
     progress: Progress,
 ) -> Float[np.ndarray, " splines"]:
+    leg_time = pace.leg_time
     steps = 100 * max(round(leg_time / (100 * STEP)), 1)
     weights = np.asarray(WEIGHTS)
     holding = steps - round(REST / leg_time * steps)
-    on = grid(start, end, leg_time=leg_time, steps=steps, hold=round(HOLD / leg_time * steps))
+    on = grid(start, end, pace=pace, steps=steps, hold=round(HOLD / leg_time * steps))
     robots = scenarios()
 
     def linearised(goal: _Goal, point: Float[np.ndarray, " n"]) -> Linearisation:
@@ -395,12 +411,12 @@ def _at_full_rate(
     controller: PD,
     start: Float[np.ndarray, "2"],
     end: Float[np.ndarray, "2"],
-    leg_time: float,
+    pace: Pace,
     coefficients: Float[np.ndarray, " splines"],
 ) -> Leg:
     period = float(controller.period)
-    steps = round(leg_time / period)
-    on = grid(start, end, leg_time=leg_time, steps=steps, hold=0)
+    steps = round(pace.leg_time / period)
+    on = grid(start, end, pace=pace, steps=steps, hold=0)
     nominal = Scenario(*(jnp.asarray(number) for number in SCENARIOS[0]))
     run = _run_scenario(robot, controller, nominal, on, jnp.asarray(coefficients))
     driven = np.asarray(led(on, jnp.asarray(coefficients))[0].position)
@@ -426,33 +442,47 @@ def scenarios() -> Scenario:
     return Scenario(*(jnp.asarray(column) for column in zip(*SCENARIOS, strict=True)))
 
 
-def shortest_leg_time(
-    robot: Robot, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]
-) -> float:
-    """`LEG_TIME`, or as much more as the plain profile needs of the drives.
+def chosen_pace(
+    robot: Robot,
+    start: Float[np.ndarray, "2"],
+    end: Float[np.ndarray, "2"],
+    leg_time: float | None,
+) -> Pace:
+    """The first plain profile of `ORDERS` that the drives can follow in a leg's time.
 
     Args:
         robot: The robot.
         start: First position [m].
         end: Last position [m].
+        leg_time: Time of the leg [s]; None for `LEG_TIME`, or as many tenths more as the
+            drives need.
 
     Returns:
-        Time of the leg [s], a whole number of tenths.
+        Time and profile; where none can be followed in the time that was asked for, the one
+        that asks the least of the drives.
     """
-    time, most = LEG_TIME, _PLAIN_SHARE * float(robot.drive.voltage_limit)
-    while _plain_voltage(robot, start, end, time) > most:
+    most = _PLAIN_SHARE * float(robot.drive.voltage_limit)
+    time = LEG_TIME if leg_time is None else leg_time
+    while True:
+        volts = [_plain_voltage(robot, start, end, Pace(time, order)) for order in ORDERS]
+        if min(volts) <= most or leg_time is not None:
+            first = next((k for k, v in enumerate(volts) if v <= most), int(np.argmin(volts)))
+            return Pace(time, ORDERS[first])
         time = round(time + 0.1, 1)
-    return time
 
 
 def _plain_voltage(
-    robot: Robot, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], leg_time: float
+    robot: Robot, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], pace: Pace
 ) -> float:
     """Largest command of the plain profile, the robot in line [V]."""
     still = Scenario(*(jnp.asarray(number) for number in SCENARIOS[0]))
-    time = jnp.linspace(0.0, leg_time, 41)[:-1]
+    time = jnp.linspace(0.0, pace.leg_time, 41)[:-1]
     motion = plain_motion(
-        jnp.asarray(start), jnp.asarray(end), leg_time=jnp.asarray(leg_time), time=time
+        jnp.asarray(start),
+        jnp.asarray(end),
+        leg_time=jnp.asarray(pace.leg_time),
+        time=time,
+        order=pace.order,
     )
     _, state = begin(robot, still, jnp.asarray(start))
     volts = jax.vmap(lambda moment: inverse_dynamics(robot, state, moment))(motion)

@@ -36,7 +36,21 @@ def test_the_plain_motion_is_the_papers_profile():
     time = jnp.linspace(0.0, 2.5, 26)
     leg = rest_to_rest(START, END, duration=2.0)
     motion = plain_motion(START, END, leg_time=jnp.asarray(2.0), time=time)
-    np.testing.assert_array_equal(motion.position, jax.vmap(leg.position)(time))
+    # The same cubic by another scheme: some roundings of 2 m.
+    np.testing.assert_allclose(motion.position, jax.vmap(leg.position)(time), atol=4e-15)
+
+
+@pytest.mark.parametrize("order", [2, 4, 8, 10])
+def test_a_pace_has_the_speed_of_its_formula(order):
+    """With the unit leg in a second: its speed over s, and rest at both ends."""
+    s = jnp.linspace(0.0, 1.0, 41)[:-1]
+    ends = jnp.zeros(2), jnp.ones(2)
+    motion = plain_motion(*ends, leg_time=jnp.asarray(1.0), time=s, order=order)
+    speed = (order + 1) / (order - 1) * (1 - s**order - (1 - s) ** order)
+    np.testing.assert_allclose(motion.velocity[:, 0], speed, atol=1e-13)
+    assert motion.position[0, 0] == 0
+    after = plain_motion(*ends, leg_time=jnp.asarray(1.0), time=jnp.ones(1), order=order)
+    assert after.position[0, 0] == 1
 
 
 def test_a_deviation_leads_the_lower_carriage_alone():

@@ -11,7 +11,7 @@ from scdpr_jax.dynamics import rest
 from scdpr_jax.parameters import exact, replace
 from scdpr_jax.prototype import consistent
 from scdpr_jax.trajectory import rest_to_rest
-from tuning.planning import plan_leg, shortest_leg_time
+from tuning.planning import ORDERS, Pace, chosen_pace, plan_leg
 
 NUMBERS = {
     "effective_pretension": 85.166460,
@@ -79,10 +79,16 @@ def test_the_commands_stay_within_the_drives(leg):
 
 
 def test_a_leg_that_the_drives_can_do_in_two_seconds_takes_two():
-    assert shortest_leg_time(FITTED, np.array(START), np.array(END)) == 2.0
+    pace = chosen_pace(FITTED, np.array(START), np.array(END), None)
+    assert pace == Pace(2.0, 2)
 
 
-def test_the_diagonal_takes_a_little_longer_than_the_drives_could():
-    # Table 3's diagonal reaches the limit at 2.5 s a leg, "near the saturation limit".
-    time = shortest_leg_time(FITTED, np.array([2.08, 0.92]), np.array([0.01, 0.19]))
-    assert 2.6 <= time <= 2.9
+def test_what_the_papers_profile_can_t_do_in_two_seconds_is_done_at_an_evener_pace():
+    """Table 3's diagonal takes the paper's profile to the limit at 2.5 s a leg already."""
+    ends = np.array([2.08, 0.92]), np.array([0.01, 0.19])
+    pace = chosen_pace(FITTED, *ends, None)
+    assert 2.0 < pace.leg_time < 2.5
+    assert pace.order == max(ORDERS)
+    # At a time that is asked for it is the paper's where the drives can follow it.
+    assert chosen_pace(FITTED, *ends, 4.0) == Pace(4.0, 2)
+    assert chosen_pace(FITTED, *ends, 1.0) == Pace(1.0, max(ORDERS))
