@@ -29,7 +29,7 @@ def set_up(*, double: bool = True, all_cores: bool = False) -> None:
         jax.config.update("jax_num_cpu_devices", os.cpu_count() or 1)
     home = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
     jax.config.update("jax_compilation_cache_dir", str(pathlib.Path(home) / "scdpr-jax"))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 1.0)
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 
 
 @contextlib.contextmanager
