@@ -25,6 +25,10 @@ REFINEMENTS: tuple[Refinement, ...] = (
         "viscous damping of the carriages",
         ("lower_carriage_damping", "upper_carriage_damping"),
     ),
+    Refinement(
+        "a friction of the carriages that is higher near standstill",
+        ("static_friction_surplus", "stribeck_velocity"),
+    ),
 )
 """What may be added to the usual model, each together with those that were added before."""
 

@@ -185,6 +185,7 @@ USUAL = {
     "loop_stiffness": 100.0,
     "lower_carriage_damping": 1.0,
     "upper_carriage_damping": 1.0,
+    "static_friction_surplus": 0.01,
 }
 """Usual sizes of quantities that may be zero [SI]."""
 

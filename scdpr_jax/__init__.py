@@ -16,7 +16,6 @@ from scdpr_jax.dynamics import rest as rest
 from scdpr_jax.friction import Coulomb as Coulomb
 from scdpr_jax.friction import Friction as Friction
 from scdpr_jax.friction import SmoothCoulomb as SmoothCoulomb
-from scdpr_jax.friction import Stribeck as Stribeck
 from scdpr_jax.kinematics import forward_kinematics as forward_kinematics
 from scdpr_jax.kinematics import inverse_kinematics as inverse_kinematics
 from scdpr_jax.linear_stepping import simulate_linear as simulate_linear

@@ -1,8 +1,12 @@
 r"""Friction of a passive carriage on its guide, Eqs. (7), (8) and (21).
 
-A law turns a sliding velocity and a normal force into a friction force. Every law has a
-kinetic coefficient of friction and a viscous damping $d$; they differ in the dry part near
-standstill.
+A law turns a sliding velocity and a normal force into a friction force. Its dry part is the
+normal force times a coefficient, which may be higher near standstill, and against the
+velocity; exact and smoothed laws differ in what happens where the velocity turns round.
+
+Reference: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, "A survey of models, analysis
+tools and compensation methods for the control of machines with friction", Automatica 30(7),
+1994, doi:10.1016/0005-1098(94)90209-7.
 """
 
 import abc
@@ -13,6 +17,9 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.fields import real, si
 
+STRIBECK_VELOCITY = 0.02
+"""Velocity over which a static surplus decays unless another one is given [m/s]."""
+
 
 class Friction(eqx.Module):
     """A friction law of a carriage."""
@@ -22,6 +29,12 @@ class Friction(eqx.Module):
 
     viscous: eqx.AbstractVar[Float[Array, "..."]]
     """Viscous damping beside the dry friction [N s/m]."""
+
+    static_surplus: eqx.AbstractVar[Float[Array, "..."]]
+    r"""By how much the coefficient is higher at standstill, $\mu_s - \mu$ [1]."""
+
+    stribeck_velocity: eqx.AbstractVar[Float[Array, "..."]]
+    """Velocity $v_{st}$ over which that decays [m/s], positive."""
 
     @abc.abstractmethod
     def dry(
@@ -37,33 +50,53 @@ class Friction(eqx.Module):
             Dry friction force [N], of the velocity's sign; the viscous part is apart.
         """
 
+    def sliding(self, velocity: Float[Array, "..."]) -> Float[Array, "..."]:
+        r"""Coefficient of friction at a velocity, the static one at standstill.
+
+        $$ \mu + (\mu_s - \mu)\, e^{-(v/v_{st})^2} $$
+
+        Args:
+            velocity: Sliding velocity [m/s].
+
+        Returns:
+            The coefficient [1].
+        """
+        decay = jnp.exp(-jnp.square(velocity / self.stribeck_velocity))
+        return self.coefficient + self.static_surplus * decay
+
 
 class Coulomb(Friction):
-    r"""Exact (set-valued) Coulomb friction, Eq. (21).
+    r"""Exact (set-valued) dry friction, Eq. (21).
 
-    $$ F \in \mu N \,\mathrm{Sgn}(v) + d v, \qquad \mathrm{Sgn}(0) = [-1, 1] $$
+    $$ F \in \mu(v) N \,\mathrm{Sgn}(v) + d v, \qquad \mathrm{Sgn}(0) = [-1, 1] $$
 
-    At standstill the friction is whatever holds the carriage, up to $\mu N$. `dry`
+    At standstill the friction is whatever holds the carriage, up to $\mu_s N$. `dry`
     gives the sliding branch, and 0 at standstill; `scdpr_jax.stepping` resolves the set.
     """
 
     coefficient: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1", r"\mu"))
-    r"""Coefficient of friction $\mu$ [1]."""
+    r"""Kinetic coefficient of friction $\mu$ [1]."""
     viscous: Float[Array, "..."] = eqx.field(
         default=0.0, converter=real, metadata=si("N s/m", "d")
     )
     """Viscous damping [N s/m]."""
+    static_surplus: Float[Array, "..."] = eqx.field(
+        default=0.0, converter=real, metadata=si("1", r"\mu_s - \mu")
+    )
+    stribeck_velocity: Float[Array, "..."] = eqx.field(
+        default=STRIBECK_VELOCITY, converter=real, metadata=si("m/s", "v_{st}")
+    )
 
     def dry(
         self, velocity: Float[Array, ""], normal_force: Float[Array, ""]
     ) -> Float[Array, ""]:
-        return self.coefficient * normal_force * jnp.sign(velocity)
+        return self.sliding(velocity) * normal_force * jnp.sign(velocity)
 
 
 class SmoothCoulomb(Friction):
-    r"""Coulomb friction with its jump spread over a velocity width.
+    r"""Dry friction with its jump spread over a velocity width.
 
-    $$ F = \mu N \tanh(v / v_s) + d v $$
+    $$ F = \mu(v) N \tanh(v / v_s) + d v $$
 
     A carriage on it creeps instead of sticking. The bias against exact Coulomb friction
     falls in proportion to the width: 1.7 mm at 1e-2 m/s, 0.30 mm at 1e-3 and 36 µm at
@@ -71,51 +104,21 @@ class SmoothCoulomb(Friction):
     """
 
     coefficient: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1", r"\mu"))
-    r"""Coefficient of friction $\mu$ [1]."""
+    r"""Kinetic coefficient of friction $\mu$ [1]."""
     width: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m/s", "v_s"))
     """Velocity $v_s$ over which the friction turns round [m/s], positive."""
     viscous: Float[Array, "..."] = eqx.field(
         default=0.0, converter=real, metadata=si("N s/m", "d")
     )
     """Viscous damping [N s/m]."""
-
-    def dry(
-        self, velocity: Float[Array, ""], normal_force: Float[Array, ""]
-    ) -> Float[Array, ""]:
-        return self.coefficient * normal_force * jnp.tanh(velocity / self.width)
-
-
-class Stribeck(Friction):
-    r"""Smoothed Coulomb friction that is higher near standstill.
-
-    $$ F = N \left[\mu + (\mu_s - \mu)\, e^{-(v/v_{st})^2}\right] \tanh(v / v_s) + d v $$
-
-    Reference: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, "A survey of models,
-    analysis tools and compensation methods for the control of machines with friction",
-    Automatica 30(7), 1994, doi:10.1016/0005-1098(94)90209-7.
-    """
-
-    coefficient: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1", r"\mu"))
-    r"""Kinetic coefficient $\mu$ [1]."""
-    static_coefficient: Float[Array, "..."] = eqx.field(
-        converter=real, metadata=si("1", r"\mu_s")
+    static_surplus: Float[Array, "..."] = eqx.field(
+        default=0.0, converter=real, metadata=si("1", r"\mu_s - \mu")
     )
-    r"""Static coefficient $\mu_s$ [1]."""
     stribeck_velocity: Float[Array, "..."] = eqx.field(
-        converter=real, metadata=si("m/s", "v_{st}")
+        default=STRIBECK_VELOCITY, converter=real, metadata=si("m/s", "v_{st}")
     )
-    """Velocity $v_{st}$ over which the static surplus decays [m/s], positive."""
-    width: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m/s", "v_s"))
-    """Velocity $v_s$ over which the friction turns round [m/s], positive."""
-    viscous: Float[Array, "..."] = eqx.field(
-        default=0.0, converter=real, metadata=si("N s/m", "d")
-    )
-    """Viscous damping [N s/m]."""
 
     def dry(
         self, velocity: Float[Array, ""], normal_force: Float[Array, ""]
     ) -> Float[Array, ""]:
-        surplus = self.static_coefficient - self.coefficient
-        decay = jnp.exp(-jnp.square(velocity / self.stribeck_velocity))
-        coefficient = self.coefficient + surplus * decay
-        return coefficient * normal_force * jnp.tanh(velocity / self.width)
+        return self.sliding(velocity) * normal_force * jnp.tanh(velocity / self.width)

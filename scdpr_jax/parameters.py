@@ -263,6 +263,27 @@ REFINEMENTS: tuple[Quantity, ...] = (
         "viscous damping of the upper carriage",
         positive=False,
     ),
+    Quantity(
+        "static_friction_surplus",
+        "1",
+        r"\mu_s - \mu",
+        lambda r: (
+            r.lower_carriage.friction.static_surplus,
+            r.upper_carriage.friction.static_surplus,
+        ),
+        "by how much the carriages' coefficient of friction is higher at standstill",
+        positive=False,
+    ),
+    Quantity(
+        "stribeck_velocity",
+        "m/s",
+        "v_{st}",
+        lambda r: (
+            r.lower_carriage.friction.stribeck_velocity,
+            r.upper_carriage.friction.stribeck_velocity,
+        ),
+        "velocity over which that decays",
+    ),
 )
 """What a fit may free besides: `campaign.toml` doesn't state it, and it refines a quantity
 of `QUANTITIES`, so it is replaced after those."""
@@ -365,7 +386,13 @@ def smoothed(robot: Robot, *, width: float = SMOOTHING_WIDTH) -> Robot:
         raise ValueError(f"`width` must be positive [m/s], got {width}.")
 
     def law(friction: Friction) -> SmoothCoulomb:
-        return SmoothCoulomb(friction.coefficient, width, friction.viscous)
+        return SmoothCoulomb(
+            friction.coefficient,
+            width,
+            friction.viscous,
+            friction.static_surplus,
+            friction.stribeck_velocity,
+        )
 
     return with_friction(
         robot,
@@ -385,7 +412,12 @@ def exact(robot: Robot) -> Robot:
     """
 
     def law(friction: Friction) -> Coulomb:
-        return Coulomb(friction.coefficient, friction.viscous)
+        return Coulomb(
+            friction.coefficient,
+            friction.viscous,
+            friction.static_surplus,
+            friction.stribeck_velocity,
+        )
 
     return with_friction(
         robot,

@@ -1,7 +1,7 @@
 r"""The adaptive solvers, for smooth friction laws: the only caller of diffrax.
 
 `scdpr_jax.stepping` has exact friction and a fixed cost; these solvers take any smooth
-law (`SmoothCoulomb`, `Stribeck`) and any accuracy, and are what the fixed grid is held
+law (`SmoothCoulomb`) and any accuracy, and are what the fixed grid is held
 against. A narrow law makes the problem stiff, yet the explicit `diffrax.Tsit5()` stays
 ahead of `diffrax.Kvaerno5()` down to a width of 1e-5 m/s, where both take as long.
 

@@ -188,7 +188,7 @@ class _Stages(NamedTuple):
 def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
     mass = jnp.unstack(masses(robot))
     torque = motor_torque(robot.drive, held.voltage)
-    coefficients = jnp.unstack(friction_coefficients(robot))
+    laws = exact_laws(robot)
 
     def balance(at: _Moving) -> tuple[_Five, tuple[Float[Array, ""], ...]]:
         loop = loop_forces(robot, jnp.stack(at.position))
@@ -196,8 +196,8 @@ def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
             robot, loop, jnp.stack(at.velocity), torque=torque, knock=held.knock
         )
         load = tuple(once(f / m) for f, m in zip(jnp.unstack(force), mass, strict=True))
-        normal = zip(coefficients, jnp.unstack(loop.normal), mass[2:4], strict=True)
-        return load, tuple(once(mu * n / m) for mu, n, m in normal)
+        normal = zip(laws, at.velocity[2:4], jnp.unstack(loop.normal), mass[2:4], strict=True)
+        return load, tuple(once(law.sliding(v) * n / m) for law, v, n, m in normal)
 
     load, limit = balance(start)
     branch = tuple(
@@ -277,13 +277,28 @@ def _deviate(
 
 
 def friction_coefficients(robot: Robot) -> Float[Array, "2"]:
-    """Exact Coulomb friction of the lower and the upper carriage.
+    """Kinetic friction of the lower and the upper carriage.
 
     Args:
         robot: The robot.
 
     Returns:
         Both coefficients [1].
+
+    Raises:
+        TypeError: If a carriage has another friction law than `Coulomb`.
+    """
+    return jnp.stack([law.coefficient for law in exact_laws(robot)])
+
+
+def exact_laws(robot: Robot) -> tuple[Coulomb, Coulomb]:
+    """The exact friction of the lower and the upper carriage.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        Both laws.
 
     Raises:
         TypeError: If a carriage has another friction law than `Coulomb`.
@@ -295,6 +310,4 @@ def friction_coefficients(robot: Robot) -> Float[Array, "2"]:
                 f"engine, got `{type(carriage.friction).__name__}`. Use "
                 "`scdpr_jax.exact(robot)`, or `scdpr_jax.simulation` for smooth laws."
             )
-    return jnp.stack(
-        [robot.lower_carriage.friction.coefficient, robot.upper_carriage.friction.coefficient]
-    )
+    return robot.lower_carriage.friction, robot.upper_carriage.friction

@@ -7,11 +7,18 @@ import pytest
 from hypothesis import strategies as st
 from jax.test_util import check_grads
 
-from scdpr_jax.friction import Coulomb, SmoothCoulomb, Stribeck
+from scdpr_jax.friction import Coulomb, SmoothCoulomb
 
 EPS = float(np.finfo(float).eps)
-LAWS = (Coulomb(0.02, 1.5), SmoothCoulomb(0.02, 1e-3, 1.5), Stribeck(0.02, 0.03, 0.01, 1e-3))
-every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+RISE = {"static_surplus": 0.01, "stribeck_velocity": 0.01}
+LAWS = (
+    Coulomb(0.02, 1.5),
+    SmoothCoulomb(0.02, 1e-3, 1.5),
+    Coulomb(0.02, **RISE),
+    SmoothCoulomb(0.02, 1e-3, **RISE),
+)
+NAMES = ("exact", "smoothed", "exact with a rise", "smoothed with a rise")
+every_law = pytest.mark.parametrize("law", LAWS, ids=NAMES)
 speed = st.floats(-2, 2)
 normal = st.floats(1.0, 2e3)
 
@@ -69,21 +76,16 @@ def test_smoothed_friction_has_its_documented_slope_at_standstill():
     assert jnp.allclose(slope, 0.02 * 300.0 / 1e-3, rtol=4 * EPS, atol=0)
 
 
-@hypothesis.given(speed, normal)
-def test_stribeck_friction_without_a_surplus_is_smoothed_coulomb(velocity, normal_force):
-    level = Stribeck(0.02, 0.02, 0.01, 1e-3)
-    assert force(level, velocity, normal_force) == force(LAWS[1], velocity, normal_force)
-
-
+@pytest.mark.parametrize("law", LAWS[2:], ids=NAMES[2:])
 @hypothesis.given(st.floats(1e-2, 0.05))
-def test_stribeck_friction_falls_from_static_to_kinetic(speed):
-    # From ten widths on the law is its surplus' Gaussian.
+def test_friction_falls_from_static_to_kinetic(law, speed):
     expected = 0.02 + 0.01 * np.exp(-((speed / 0.01) ** 2))
-    # tanh(10) differs from 1 by 4e-9.
-    assert abs(force(LAWS[2], speed, 1.0) - expected) <= 5e-9 * expected
+    # From ten widths on tanh differs from 1 by less than 4e-9.
+    assert abs(force(law, speed, 1.0) - expected) <= 5e-9 * expected
+    assert float(law.sliding(jnp.asarray(0.0))) == pytest.approx(0.03, rel=1e-12)
 
 
-@pytest.mark.parametrize("law", LAWS[1:], ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("law", LAWS[1::2], ids=NAMES[1::2])
 def test_smooth_laws_are_differentiable_at_standstill_too(law):
     # Velocities in widths, so that the checker's own difference step resolves the law.
     def along(scale, widths):
