@@ -74,16 +74,7 @@ def write_parameters(
                 "name": run.name,
                 "kind": run.kind,
                 "fitted": not run.held_out,
-                "clock_offset_s": (
-                    float(estimate.circumstances[run.name].clock_offset)
-                    if run.name in estimate.circumstances
-                    else None
-                ),
-                "clock_drift": (
-                    float(estimate.circumstances[run.name].clock_drift)
-                    if run.name in estimate.circumstances
-                    else None
-                ),
+                **_circumstances(estimate, run.name),
             }
             for run in estimate.comparisons
         ],
@@ -143,6 +134,18 @@ def write_parameters(
         },
     }
     write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def _circumstances(estimate: Estimate, run: str) -> dict[str, float | None]:
+    """What was estimated of a run by itself; null for one without the cable."""
+    own = estimate.circumstances.get(run)
+    names = {
+        "clock_offset_s": "clock_offset",
+        "clock_drift": "clock_drift",
+        "knock_N": "knock",
+        "knock_arm_m": "knock_arm",
+    }
+    return {key: None if own is None else float(getattr(own, of)) for key, of in names.items()}
 
 
 def _influence(found: Influence) -> dict[str, Any]:

@@ -270,6 +270,7 @@ def vector(problem: Problem, found: Estimate) -> Float[np.ndarray, " n"]:
             own.upper,
             own.height,
             own.knock,
+            own.knock_arm,
             clock,
             own.clock_drift,
         ]
@@ -377,10 +378,8 @@ def _circumstances(
     """What was estimated of each run; clocks with what was known of them before."""
     found = {}
     for run, known in zip(problem.cabled, problem.clocks, strict=True):
-        lower, upper, height, knock, clock, drift = map(float, point[problem.own(run)])
-        found[problem.runs[run].name] = Circumstances(
-            lower, upper, height, knock, clock + known.offset, drift
-        )
+        *moving, clock, drift = map(float, point[problem.own(run)])
+        found[problem.runs[run].name] = Circumstances(*moving, clock + known.offset, drift)
     return found
 
 

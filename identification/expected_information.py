@@ -18,6 +18,7 @@ from identification.campaign.types import Sensors
 from identification.excitation import KNOCK_TIME, REST, STEP
 from identification.record import Record
 from identification.residuals import Circumstances, encoder_residuals, frames, move
+from identification.start import USUAL_ARM
 from identification.unknowns import apply
 from scdpr_jax.dynamics import State
 from scdpr_jax.fields import real, si
@@ -35,6 +36,9 @@ KNOCK_SPREAD = 0.3
 
 ON_TIME = (0.0, 0.0)
 """Offset and drift of a camera's clock that runs with the drives' [s, 1]."""
+
+_OWN = 5
+"""What isn't known of a run: its start's three coordinates, its knock's force and arm."""
 
 
 class Rig(eqx.Module):
@@ -116,7 +120,7 @@ class Expected(NamedTuple):
 
     units: Float[Array, "... m m"]
     """Covariance with the run, in units of what is known now: of the quantities, then of the
-    start's three coordinates and of the knock's force."""
+    start's three coordinates and of the knock's force and arm."""
     beyond: Float[Array, "..."]
     """How far it goes beyond the frame's margin and the speed [m, m/s]; 0 for allowed."""
 
@@ -145,7 +149,7 @@ def expected(rig: Rig, run: PlannedRun, truth: Float[Array, " n"]) -> Expected:
     Returns:
         Covariance and excursion.
     """
-    begun = jnp.eye(rig.point.size + 4, dtype=truth.dtype)
+    begun = jnp.eye(rig.point.size + _OWN, dtype=truth.dtype)
 
     def again(units: Float[Array, "m m"], _: None) -> tuple[Array, Array]:
         return expected_over(rig, run, truth, jnp.linalg.cholesky(units))
@@ -170,8 +174,9 @@ def expected_over(
         Covariance and excursion.
     """
     record, count = _record(rig, run), truth.size
-    own = jnp.concatenate([run.start[:1], run.start, run.knock[None]])
-    known = jnp.append(1 / record.known_weight[:3], KNOCK_SPREAD * run.knock)
+    own = jnp.concatenate([run.start[:1], run.start, run.knock[None], jnp.zeros(1)])
+    uncertain = jnp.stack([KNOCK_SPREAD * run.knock, jnp.asarray(USUAL_ARM)])
+    known = jnp.concatenate([1 / record.known_weight[:3], uncertain])
 
     def moved(unit: Float[Array, " m"]) -> tuple[State, Array, Array]:
         quantities = rig.bounded(truth + rig.root @ unit[:count])
@@ -215,8 +220,8 @@ def _record(rig: Rig, run: PlannedRun) -> Record:
         frame_time=stamps,
         frame=jnp.zeros((stamps.size, 5)),
         frame_weight=jnp.where(seen[:, None], 1 / rig.camera_sigma[None], 0.0),
-        known=jnp.zeros(5),
-        known_weight=jnp.full(5, jnp.sqrt(REST * FRAME_RATE)) / rig.camera_sigma[0],
+        known=jnp.zeros(6),
+        known_weight=jnp.full(6, jnp.sqrt(REST * FRAME_RATE)) / rig.camera_sigma[0],
     )
 
 
@@ -273,6 +278,6 @@ def motion(rig: Rig, run: PlannedRun) -> State:
         States at the ends of the run's intervals.
     """
     x, y = run.start
-    own = Circumstances(x, x, y, run.knock, *ON_TIME)
+    own = Circumstances(x, x, y, run.knock, 0.0, *ON_TIME)
     robot = apply(rig.robot, rig.names, rig.point)
     return move(robot, own, _record(rig, run)).states

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Run, Sensors
-from identification.start import CLOCK_MARGIN, USUAL_DRIFT, Clock, start_pose
+from identification.start import CLOCK_MARGIN, USUAL_ARM, USUAL_DRIFT, Clock, start_pose
 from scdpr_jax.fields import real, si
 from scdpr_jax.stepping import Inputs
 
@@ -35,11 +35,11 @@ class Record(eqx.Module):
     """Camera positions; 0 where a marker was lost [m, rad, m, m, m]."""
     frame_weight: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("1/m"))
     """Inverse standard deviations of the positions; 0 where there is none [1/m, 1/rad]."""
-    known: Float[Array, "... 5"] = eqx.field(converter=real, metadata=si("m, s, 1"))
+    known: Float[Array, "... 6"] = eqx.field(converter=real, metadata=si("m, s, 1"))
     """What is known before: start of the lower carriage, of the upper one and of the
-    height [m], how far the clock is off what the stamps were put on by [s], and its drift
-    [1]."""
-    known_weight: Float[Array, "... 5"] = eqx.field(converter=real, metadata=si("1/m, 1/s, 1"))
+    height, arm of the knock [m], how far the clock is off what the stamps were put on by
+    [s], and its drift [1]."""
+    known_weight: Float[Array, "... 6"] = eqx.field(converter=real, metadata=si("1/m, 1/s, 1"))
     """Inverse standard deviations of that; 0 for a clock that the log states."""
 
 
@@ -131,10 +131,14 @@ def record(
         frame_time=_pad(stamps, frames),
         frame=_pad(np.where(seen, frame, 0.0), frames),
         frame_weight=_pad(seen / sigma, frames),
-        known=np.append(known.position, [0.0, 0.0]),
+        known=np.append(known.position, [0.0, 0.0, 0.0]),
         known_weight=np.append(
             1 / known.sigma,
-            [1 / offset_sigma if clock.sigma > 0 else 0.0, 1 / drift if drift > 0 else 0.0],
+            [
+                0.0 if run.knock is None else 1 / USUAL_ARM,
+                1 / offset_sigma if clock.sigma > 0 else 0.0,
+                1 / drift if drift > 0 else 0.0,
+            ],
         ),
     )
 

@@ -26,6 +26,8 @@ class Circumstances(eqx.Module):
     """Start of the end-effector's height [m]."""
     knock: Float[Array, "..."] = eqx.field(converter=real, metadata=si("N", "F"))
     """Force of the knock while it lasts [N]."""
+    knock_arm: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m", "h"))
+    """Height above the centre of mass at which it acts [m]."""
     clock_offset: Float[Array, "..."] = eqx.field(converter=real, metadata=si("s"))
     """Camera time minus drive time at the run's first row, beyond what the log says [s]."""
     clock_drift: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1"))
@@ -39,9 +41,9 @@ class Residuals(NamedTuple):
     """Of the encoders; their arbitrary zero is taken out."""
     frame: Float[Array, "frames 5"]
     """Of the camera."""
-    known: Float[Array, "5"]
-    """Of what is known before: start of both carriages and of the height, the clock's offset
-    and drift."""
+    known: Float[Array, "6"]
+    """Of what is known before: start of both carriages and of the height, the knock's arm, the
+    clock's offset and drift."""
 
 
 class Motion(NamedTuple):
@@ -66,6 +68,7 @@ def move(robot: Robot, circumstances: Circumstances, record: Record) -> Motion:
     Returns:
         Its motion.
     """
+    robot = eqx.tree_at(lambda r: r.end_effector.knock_arm, robot, circumstances.knock_arm)
     start = rest(robot, circumstances.lower, circumstances.upper, circumstances.height)
     inputs = eqx.tree_at(
         lambda i: i.knock, record.inputs, circumstances.knock * record.inputs.knock
@@ -124,7 +127,16 @@ def residuals(motion: Motion, circumstances: Circumstances, record: Record) -> R
         Residuals; zero where nothing was measured.
     """
     own = circumstances
-    assumed = jnp.stack([own.lower, own.upper, own.height, own.clock_offset, own.clock_drift])
+    assumed = jnp.stack(
+        [
+            own.lower,
+            own.upper,
+            own.height,
+            own.knock_arm,
+            own.clock_offset,
+            own.clock_drift,
+        ]
+    )
     frame = frames(motion, own, record)
     return Residuals(
         angle=encoder_residuals(record.angle - motion.angle, record.angle_weight),

@@ -14,6 +14,9 @@ CLOCK_MARGIN = 0.02
 UNKNOWN_CLOCK = 0.05
 """Standard deviation of a clock that no run tells anything about [s]."""
 
+USUAL_ARM = 0.05
+"""Standard deviation of the height at which a knock misses the centre of mass [m]."""
+
 USUAL_DRIFT = 1e-3
 """Standard deviation of the drift of a camera's clock that may drift [1]: a quartz's is a
 tenth of it, stamps that a busy computer makes are worse."""

@@ -31,7 +31,15 @@ where it is left out the carriages' takes it up."""
 FOLLOWS = {"upper_friction_coefficient": "friction_coefficient"}
 """Quantities that have the value of another one as long as they aren't free."""
 
-CIRCUMSTANCES = ("lower", "upper", "height", "knock", "clock_offset", "clock_drift")
+CIRCUMSTANCES = (
+    "lower",
+    "upper",
+    "height",
+    "knock",
+    "knock_arm",
+    "clock_offset",
+    "clock_drift",
+)
 """What is estimated of each run, in the order of `Circumstances`."""
 
 CLOCK = 2
@@ -211,4 +219,5 @@ def _open(run: Run, clock_drifts: bool) -> list[bool]:
         return [False] * len(CIRCUMSTANCES)
     seen = run.camera is not None
     unknown_clock = run.clock_offset is None and seen
-    return [True, True, True, run.knock is not None, unknown_clock, clock_drifts and seen]
+    knocked = run.knock is not None
+    return [True, True, True, knocked, knocked, unknown_clock, clock_drifts and seen]

@@ -153,7 +153,7 @@ def smooth_forces(
         )
     ]
     driven = drive_forces(robot, torque - jnp.stack(dry))
-    outer = gravity_force(robot).at[0].add(knock)
+    outer = gravity_force(robot) + knock_forces(robot, knock)
     parts = (loop.pull, outer, driven, dampings(robot), velocity)
     return jnp.stack(
         [
@@ -161,6 +161,20 @@ def smooth_forces(
             for pull, outer, drive, damping, speed in zip(*map(jnp.unstack, parts), strict=True)
         ]
     )
+
+
+def knock_forces(robot: Robot, knock: Float[Array, ""]) -> Float[Array, "5"]:
+    r"""Generalised forces of a horizontal knock on the end-effector, $[F, -hF, 0, 0, 0]$.
+
+    Args:
+        robot: The robot, with the height $h$ at which it is knocked.
+        knock: Horizontal force $F$ on the end-effector [N].
+
+    Returns:
+        Forces on the coordinates [N, N m, N, N, N].
+    """
+    zero = jnp.zeros_like(knock)
+    return jnp.stack([knock, -robot.end_effector.knock_arm * knock, zero, zero, zero])
 
 
 def gravity_force(robot: Robot) -> Float[Array, "5"]:

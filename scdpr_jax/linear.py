@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.cable import potential
-from scdpr_jax.dynamics import dampings, drive_forces, masses
+from scdpr_jax.dynamics import dampings, drive_forces, knock_forces, masses
 from scdpr_jax.fields import real, si
 from scdpr_jax.parameters import Robot
 
@@ -126,11 +126,12 @@ def linearise(robot: Robot, position: Float[Array, "5"]) -> StateSpace:
     r"""The equations of motion near a pose, at rest and without dry friction.
 
     $$ A = \begin{pmatrix} 0 & I \\ -M^{-1} \nabla^2 V & -M^{-1} D \end{pmatrix}, \qquad
-       B = \begin{pmatrix} 0 \\ M^{-1} [f_1 \; f_2 \; e_1] \end{pmatrix}, \qquad
+       B = \begin{pmatrix} 0 \\ M^{-1} [f_1 \; f_2 \; f_F] \end{pmatrix}, \qquad
        c = \begin{pmatrix} 0 \\ -M^{-1} \nabla V \end{pmatrix} $$
 
-    with $f_i$ the forces of one volt on drive $i$. For the model without the drives'
-    inertia and damping, as Eq. (18) has it, pass `without_drives(robot)`.
+    with $f_i$ the forces of one volt on drive $i$ and $f_F$ those of a knock of 1 N. For the
+    model without the drives' inertia and damping, as Eq. (18) has it, pass
+    `without_drives(robot)`.
 
     Args:
         robot: The robot; of its friction laws only the viscous part counts.
@@ -146,7 +147,8 @@ def linearise(robot: Robot, position: Float[Array, "5"]) -> StateSpace:
 
     torques = robot.drive.torque_per_volt * jnp.eye(2, dtype=mass.dtype)
     volts = jax.vmap(drive_forces, in_axes=(None, 0), out_axes=1)(robot, torques)
-    inputs = jnp.concatenate([volts, identity[:, :1]], axis=1) / mass[:, None]
+    newton = knock_forces(robot, jnp.ones_like(mass[0]))[:, None]
+    inputs = jnp.concatenate([volts, newton], axis=1) / mass[:, None]
     drift = -jax.grad(potential, argnums=1)(robot, position) / mass
     return StateSpace(
         position=position,

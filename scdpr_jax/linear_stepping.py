@@ -81,11 +81,11 @@ def propagator(
     plane = jnp.array(_PLANE)
     space = linearise(robot, aligned)
     matrix = space.state_matrix[plane][:, plane]
-    units = jnp.eye(8, dtype=matrix.dtype)
-    forced = units[:, jnp.array([6, 7, 4])]
-    transition, responses = _exponentials(duration * matrix, forced)
-
     mass, damping = masses(robot), dampings(robot)
+    carriages = jnp.eye(8, dtype=matrix.dtype)[:, 6:]
+    knocked = mass[0] * space.input_matrix[plane][:, 2:]
+    forced = jnp.concatenate([carriages, knocked], axis=1)
+    transition, responses = _exponentials(duration * matrix, forced)
     normal = 4 * robot.cable.effective_pretension
     vertical = jnp.array([[0.0, 1.0], [0.0, 0.0]], matrix.dtype)
     vertical = vertical.at[1, 1].set(-damping[4] / mass[4])

@@ -35,6 +35,10 @@ class EndEffector(eqx.Module):
     """Distance $a$ of the lower cables' attachment below the centre of mass [m]."""
     upper_offset: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m", "b"))
     """Distance $b$ of the upper cables' attachment above the centre of mass [m]."""
+    knock_arm: Float[Array, "..."] = eqx.field(
+        default=0.0, converter=real, metadata=si("m", "h")
+    )
+    """Height $h$ above the centre of mass at which it is knocked [m]."""
 
 
 class Carriage(eqx.Module):

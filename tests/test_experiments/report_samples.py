@@ -232,7 +232,7 @@ def estimate(*, off=0.0, held_out=True, parameters=None, models=()):
         robot=consistent(),
         parameters=(*parameters, fixed),
         correlation=np.array([[1.0, 0.1, -0.97], [0.1, 1.0, 0.2], [-0.97, 0.2, 1.0]]),
-        circumstances={"0001-manoeuvre": Circumstances(0.9, 0.9, 0.5, 0.0, 0.0123, 0.0)},
+        circumstances={"0001-manoeuvre": Circumstances(0.9, 0.9, 0.5, 0.0, 0.0, 0.0123, 0.0)},
         comparisons=(
             comparison("0001-manoeuvre", off=off),
             comparison("0002-manoeuvre", held_out=held_out, seed=1),

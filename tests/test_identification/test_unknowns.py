@@ -23,9 +23,9 @@ def test_every_setting_has_its_own_pretension():
 def test_only_what_a_run_leaves_open_is_estimated_of_it():
     runs = [bare_run("torque_step"), bare_run("pseudo_impulse"), bare_run("motor_step")]
     active = layout(runs, DEFAULT_FREE).active
-    np.testing.assert_array_equal(active[0], [True, True, True, False, False, False])
-    np.testing.assert_array_equal(active[1], [True, True, True, True, False, False])
-    np.testing.assert_array_equal(active[2], [False] * 6)
+    np.testing.assert_array_equal(active[0], [True] * 3 + [False] * 4)
+    np.testing.assert_array_equal(active[1], [True] * 5 + [False] * 2)
+    np.testing.assert_array_equal(active[2], [False] * 7)
 
 
 def test_a_clock_drifts_only_where_asked_and_only_one_that_there_is():

@@ -15,7 +15,7 @@ from scdpr_jax.cable import (
     small_cable_angles,
     tension_increase,
 )
-from scdpr_jax.dynamics import drive_forces, gravity_force, rest
+from scdpr_jax.dynamics import drive_forces, gravity_force, knock_forces, rest
 from scdpr_jax.parameters import replace
 from scdpr_jax.prototype import consistent
 
@@ -57,6 +57,21 @@ def test_weight_is_in_the_potential(position, gravity):
     heavy = eqx.tree_at(lambda r: r.gravity, ROBOT, jnp.asarray(gravity))
     expected = forces_of(heavy, position).pull + weight_of(heavy)
     assert jnp.max(jnp.abs(expected + gradient(heavy, position))) <= FORCE_TOLERANCE
+
+
+@hypothesis.given(st.floats(-0.2, 0.2))
+def test_a_knock_does_the_work_of_its_force_where_it_acts(arm):
+    """Its moment is that of a horizontal force at a height above the centre, near upright."""
+    robot = eqx.tree_at(lambda r: r.end_effector.knock_arm, consistent(), jnp.asarray(arm))
+    found = np.asarray(knock_forces(robot, jnp.asarray(7.0)))
+    step = 1e-5
+
+    def hit(x, angle):
+        return x - arm * np.sin(angle)
+
+    slopes = [hit(step, 0.0) - hit(-step, 0.0), hit(0.0, step) - hit(0.0, -step)]
+    np.testing.assert_allclose(found[:2], 7.0 * np.array(slopes) / (2 * step), atol=1e-9)
+    assert not found[2:].any()
 
 
 @hypothesis.given(poses())

@@ -38,6 +38,7 @@ def test_a_step_without_friction_is_the_matrix_exponential(duration, pretension)
     robot = replace(
         consistent(), {"friction_coefficient": 0.0, "effective_pretension": pretension}
     )
+    robot = eqx.tree_at(lambda r: r.end_effector.knock_arm, robot, jnp.asarray(0.03))
     moved = np.array([0.01, 0.02, -0.01, 0.02, 0.0])
     start = State(ALIGNED + moved, [0.1, -0.2, 0.3, -0.1, 0.2])
     voltage, knock = jnp.array([3.0, -1.0]), jnp.asarray(5.0)
