@@ -178,7 +178,7 @@ def codesign_page(found: CoDesign, *, name: str) -> str:
     columns, rows = asked.grid
     settings = ", ".join(f"{setting:g} N" for setting in asked.settings)
     return page(
-        "shaper.html.j2",
+        "findings.html.j2",
         title="Co-design of gains, shaper and leg",
         sentences=sentences(found),
         tables=tables(found),

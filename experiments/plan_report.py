@@ -130,7 +130,7 @@ def plan_page(plan: Plan, compared: Compared, *, voltage_limit: float, tuning: s
     """
     begun, ended = _place(plan.position[0]), _place(plan.position[-1])
     return page(
-        "shaper.html.j2",
+        "findings.html.j2",
         title=f"Leg from {begun} to {ended}",
         sentences=sentences(plan, compared, voltage_limit=voltage_limit),
         tables=tables(compared),

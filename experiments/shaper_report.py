@@ -139,7 +139,7 @@ def shaper_page(file: SpectrumFile, design: SpectrumDesign) -> str:
         )
     ]
     return page(
-        "shaper.html.j2",
+        "findings.html.j2",
         title=f"Input shaper for {file.path.name}",
         sentences=sentences(design),
         tables=tables(design),

@@ -81,7 +81,7 @@ class Coulomb(Friction):
     )
     """Viscous damping [N s/m]."""
     static_surplus: Float[Array, "..."] = eqx.field(
-        default=0.0, converter=real, metadata=si("1", r"\mu_s - \mu")
+        default=0.0, converter=real, metadata=si("1", r"\Delta\mu")
     )
     stribeck_velocity: Float[Array, "..."] = eqx.field(
         default=STRIBECK_VELOCITY, converter=real, metadata=si("m/s", "v_{st}")
@@ -112,7 +112,7 @@ class SmoothCoulomb(Friction):
     )
     """Viscous damping [N s/m]."""
     static_surplus: Float[Array, "..."] = eqx.field(
-        default=0.0, converter=real, metadata=si("1", r"\mu_s - \mu")
+        default=0.0, converter=real, metadata=si("1", r"\Delta\mu")
     )
     stribeck_velocity: Float[Array, "..."] = eqx.field(
         default=STRIBECK_VELOCITY, converter=real, metadata=si("m/s", "v_{st}")

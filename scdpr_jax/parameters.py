@@ -270,7 +270,7 @@ REFINEMENTS: tuple[Quantity, ...] = (
     Quantity(
         "static_friction_surplus",
         "1",
-        r"\mu_s - \mu",
+        r"\Delta\mu",
         lambda r: (
             r.lower_carriage.friction.static_surplus,
             r.upper_carriage.friction.static_surplus,
