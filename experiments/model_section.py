@@ -3,11 +3,12 @@
 import math
 from collections.abc import Sequence
 
-from experiments.number_text import plain
+from experiments.number_text import plain, rounded
 from experiments.tuning_section import Table
 from identification.estimate import Estimate
 from identification.identifiability import SENSORS, Identifiability
 from identification.models import Model
+from identification.posterior import Posterior
 from identification.profile import Profile
 
 
@@ -156,3 +157,37 @@ def profile_table(profiles: Sequence[Profile]) -> Table:
         for one in profiles
     )
     return Table("Profile likelihood", ("quantity", "setting", "is", "from", "to"), rows)
+
+
+def posterior_table(posterior: Posterior) -> Table:
+    """What the logs leave possible, by sampling.
+
+    Args:
+        posterior: The draws.
+
+    Returns:
+        A row for each quantity: its mean, spread and interval, and how far the chains agree.
+    """
+    flat = posterior.draws.reshape(-1, len(posterior.names))
+    rows = tuple(
+        (
+            name,
+            setting or "",
+            rounded(mean, spread),
+            rounded(spread, spread),
+            *(rounded(end, spread) for end in ends),
+            f"{r_hat:.3f}",
+            f"{effective:.0f}",
+        )
+        for (name, setting), mean, spread, ends, r_hat, effective in zip(
+            posterior.names,
+            flat.mean(axis=0).tolist(),
+            flat.std(axis=0).tolist(),
+            posterior.interval().tolist(),
+            posterior.r_hat.tolist(),
+            posterior.effective.tolist(),
+            strict=True,
+        )
+    )
+    header = ("quantity", "setting", "mean", "± σ", "95 % from", "to", "r-hat", "draws")
+    return Table("Posterior (draws: how many independent ones)", header, rows)

@@ -16,6 +16,7 @@ from identification.axis_law import AxisLaws
 from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
 from identification.influence import Influence
+from identification.posterior import Posterior
 from identification.profile import Profile
 from identification.unknowns import PER_SETTING
 from identification.validation import validate
@@ -35,7 +36,10 @@ AXIS_UNITS = {
 
 
 def write_parameters(
-    path: pathlib.Path, estimate: Estimate, profiles: Sequence[Profile] = ()
+    path: pathlib.Path,
+    estimate: Estimate,
+    profiles: Sequence[Profile] = (),
+    posterior: Posterior | None = None,
 ) -> None:
     """Write an estimate as `parameters.json`, whole or not at all.
 
@@ -43,6 +47,7 @@ def write_parameters(
         path: The file, replaced if it exists.
         estimate: The estimate.
         profiles: Its profiles, where they were traced.
+        posterior: Draws from what the logs leave possible, where they were made.
     """
     fit = estimate.fit
     document = {
@@ -108,6 +113,7 @@ def write_parameters(
             }
             for one in profiles
         ],
+        "posterior": [] if posterior is None else _posterior(posterior),
         "measured_otherwise": [
             {
                 "name": one.name,
@@ -146,6 +152,22 @@ def _circumstances(estimate: Estimate, run: str) -> dict[str, float | None]:
         "knock_arm_m": "knock_arm",
     }
     return {key: None if own is None else float(getattr(own, of)) for key, of in names.items()}
+
+
+def _posterior(drawn: Posterior) -> list[dict[str, Any]]:
+    flat = drawn.draws.reshape(-1, len(drawn.names))
+    return [
+        {
+            "name": name,
+            "setting": setting,
+            "mean": float(flat[:, k].mean()),
+            "sigma": float(flat[:, k].std()),
+            "interval95": drawn.interval()[k].tolist(),
+            "r_hat": float(drawn.r_hat[k]),
+            "effective_draws": float(drawn.effective[k]),
+        }
+        for k, (name, setting) in enumerate(drawn.names)
+    ]
 
 
 def _influence(found: Influence) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from experiments.console_text import print_lines, rich_table
 from experiments.drive_report import axis_rows, axis_sentences, law_sentences
 from experiments.influence_section import influence_sentences, influence_tables
 from experiments.measured_section import measured_tables
-from experiments.model_section import model_tables, profile_table
+from experiments.model_section import model_tables, posterior_table, profile_table
 from experiments.number_text import rounded
 from experiments.parameter_table import Row, inside, parameter_row
 from experiments.tuning_section import Table as PlainTable
@@ -21,6 +21,7 @@ from identification.campaign.types import Campaign
 from identification.drive_axis import DriveAxisEstimate
 from identification.estimate import Estimate
 from identification.frequency_map import FrequencyMap
+from identification.posterior import Posterior
 from identification.profile import Profile
 from tuning.types import Tuning
 
@@ -57,6 +58,7 @@ def show(
     truth: Mapping[str, float] | None = None,
     tuning: Tuning | None = None,
     profiles: Sequence[Profile] = (),
+    posterior: Posterior | None = None,
 ) -> None:
     """Print what a campaign says about a robot.
 
@@ -68,6 +70,7 @@ def show(
         truth: True values by name [SI], printed beside the estimates.
         tuning: Gains and shapers, None without.
         profiles: Profiles of the estimated quantities, where they were traced.
+        posterior: Draws from what the logs leave possible, where they were made.
     """
     rows = [
         parameter_row(parameter, truth=dict(truth or {})) for parameter in estimated(estimate)
@@ -75,6 +78,8 @@ def show(
     console.print(_parameters(rows, with_truth=bool(truth)))
     if profiles:
         console.print(rich_table(profile_table(profiles)))
+    if posterior is not None:
+        console.print(rich_table(posterior_table(posterior)))
     for table in (*measured_tables(estimate), *model_tables(estimate)):
         console.print(rich_table(table))
     said = words(campaign, estimate, frequencies=frequencies, tuned=tuning is not None)

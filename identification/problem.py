@@ -7,7 +7,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from identification.accumulate import MotorRecord, RunSums, assemble, motor_sums, run_sums
 from identification.campaign.types import Campaign, Run
@@ -294,8 +294,7 @@ class Problem:
         normal = Normal(0.0, np.zeros(size), np.zeros((size, size)))
         if not self.measured:
             return normal
-        at = np.stack([self._quantities(one.setting) for one in self.measured])
-        free = self.unknowns.free
+        at, free = self.told_at(), self.unknowns.free
         found = pulls(self.measured, self.prior, free, jnp.asarray(point[at]))
         pull, slopes = (np.asarray(part) for part in found)
         # Quantities that share an unknown add up in it.
@@ -304,12 +303,20 @@ class Problem:
         jacobian[:, : self.unknowns.opened.size] *= self.unknowns.opened
         return Normal(float(pull @ pull), jacobian.T @ pull, jacobian.T @ jacobian)
 
-    def _quantities(self, setting: str | None) -> np.ndarray:
-        """Where the free quantities at a setting stand in the fit's vector."""
-        for run in self.cabled:
-            if setting in (None, self.runs[run].pretension_label):
-                return self.unknowns.local[run]
-        return self.unknowns.local[0]
+    def told_at(self) -> Int[np.ndarray, "numbers names"]:
+        """Where the free quantities of what was measured otherwise stand in the fit's vector.
+
+        Returns:
+            Indices of those at each number's setting.
+        """
+
+        def at(setting: str | None) -> np.ndarray:
+            for run in self.cabled:
+                if setting in (None, self.runs[run].pretension_label):
+                    return self.unknowns.local[run]
+            return self.unknowns.local[0]
+
+        return np.stack([at(one.setting) for one in self.measured])
 
     def compile(self) -> None:
         """Compiles what a fit needs, by a chunk of each."""

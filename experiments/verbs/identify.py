@@ -19,6 +19,7 @@ def identify(
     camera_drifts: bool = False,
     profile: bool = False,
     leave_out: bool = False,
+    posterior: bool = False,
 ) -> int:
     """Estimate the robot's parameters from all runs of a campaign.
 
@@ -40,6 +41,8 @@ def identify(
             sides, on one, or on none. Takes as long again.
         leave_out: Fit anew without each run, too, to see which run moves what; otherwise
             that is a step of a fit, which is as good where the residuals are noise.
+        posterior: Sample what the logs leave possible, too, by Hamiltonian Monte Carlo begun
+            at the fit. Takes minutes; needs the extra `bayes`.
     """
     set_up()
     from experiments import summary
@@ -48,10 +51,14 @@ def identify(
     from identification.estimate import estimate
     from identification.leave_out import without_each_run
     from identification.measured_text import parse_measured
+    from identification.posterior import posterior as sampled
+    from identification.posterior import require_numpyro
     from identification.profile import profiles
     from identification.selection import select
 
     require_outside(out, campaign)
+    if posterior:
+        require_numpyro()
     otherwise = tuple(map(parse_measured, measured))
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
@@ -65,8 +72,9 @@ def identify(
         traced = profiles(read, found) if profile else ()
         if leave_out:
             found = without_each_run(read, found, progress=progress)
-    write_parameters(out / "parameters.json", found, traced)
-    summary.show(OUT, found, campaign=read, profiles=traced)
+        drawn = sampled(read, found, progress=progress) if posterior else None
+    write_parameters(out / "parameters.json", found, traced, drawn)
+    summary.show(OUT, found, campaign=read, profiles=traced, posterior=drawn)
     summary.show_influence(OUT, found)
     wrote(out / "parameters.json")
     suggest(f"scdpr frequencies {campaign} --out {out}")
