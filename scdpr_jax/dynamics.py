@@ -131,28 +131,19 @@ def smooth_forces(
     torque: Float[Array, "2"],
     knock: Float[Array, ""],
 ) -> Float[Array, "5"]:
-    """Every force but the dry friction of the carriages: Eqs. (7), (8), (16) without it.
+    """Every force but dry friction: Eqs. (7), (8), (16) without it.
 
     Args:
         robot: The robot.
         loop: Forces of the loop at its position.
         velocity: Velocities of the coordinates [m/s, rad/s, m/s, m/s, m/s].
-        torque: Torques of the motors at the output shafts, before friction [N m].
+        torque: Torques of the driver pulleys [N m].
         knock: Horizontal force on the end-effector [N].
 
     Returns:
         Forces on the coordinates [N, N m, N, N, N].
     """
-    drive = robot.drive
-    dry = [
-        friction * jnp.tanh(rate / drive.friction_width)
-        for friction, rate in zip(
-            jnp.unstack(drive.frictions),
-            jnp.unstack(pulley_rates(robot, velocity)),
-            strict=True,
-        )
-    ]
-    driven = drive_forces(robot, torque - jnp.stack(dry))
+    driven = drive_forces(robot, torque)
     outer = gravity_force(robot) + knock_forces(robot, knock)
     parts = (loop.pull, outer, driven, dampings(robot), velocity)
     return jnp.stack(
@@ -188,6 +179,20 @@ def gravity_force(robot: Robot) -> Float[Array, "5"]:
     """
     weight = robot.end_effector.mass * robot.gravity
     return jnp.zeros(5, dtype=weight.dtype).at[4].set(-weight)
+
+
+def drive_friction(robot: Robot, velocity: Float[Array, "5"]) -> Float[Array, "2"]:
+    r"""Smoothed dry friction of the drives, $\tau_f \tanh(\dot\alpha / \omega_s)$.
+
+    Args:
+        robot: The robot.
+        velocity: Velocities of the coordinates [m/s, rad/s, m/s, m/s, m/s].
+
+    Returns:
+        Friction torques of the two drives [N m], along their rates.
+    """
+    drive = robot.drive
+    return drive.frictions * jnp.tanh(pulley_rates(robot, velocity) / drive.friction_width)
 
 
 def friction_forces(
@@ -232,7 +237,8 @@ def accelerations(
         Accelerations of the coordinates [m/s², rad/s², m/s², m/s², m/s²].
     """
     loop = loop_forces(robot, state.position)
-    smooth = smooth_forces(robot, loop, state.velocity, torque=torque, knock=knock)
+    driven = torque - drive_friction(robot, state.velocity)
+    smooth = smooth_forces(robot, loop, state.velocity, torque=driven, knock=knock)
     dry = friction_forces(robot, loop, state.velocity)
     return smooth.at[2:4].add(-dry) / masses(robot)
 

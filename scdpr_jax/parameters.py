@@ -77,7 +77,8 @@ class Drive(eqx.Module):
     friction_width: Float[Array, "..."] = eqx.field(
         converter=real, metadata=si("rad/s", r"\omega_s")
     )
-    r"""Angular velocity $\omega_s$ over which the dry friction turns round [rad/s]."""
+    r"""Angular velocity $\omega_s$ over which the dry friction turns round [rad/s] where it is
+    smoothed, in `scdpr_jax.simulation`; it is exact in `scdpr_jax.stepping`."""
     torque_per_volt: Float[Array, "..."] = eqx.field(
         converter=real, metadata=si("N m/V", "k_v")
     )

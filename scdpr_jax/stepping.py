@@ -1,17 +1,18 @@
 r"""The fixed-grid engine: exact Coulomb friction, near fourth order, differentiable.
 
 A step covers one interval of zero-order-held voltages. The smooth part is Butcher's
-fifth-order Runge-Kutta on the branch that each carriage is on when the step begins. Where
-a carriage leaves its branch inside the step (it stops, turns round, sticks or breaks away),
-the instant follows in closed form from the step's own polynomials (`scdpr_jax.stick_slip`),
-and the friction's deviation acts through the carriage's own response at frozen
-coefficients. There is no loop inside a step, so that it vectorises, and derivatives hold
-through every event.
+fifth-order Runge-Kutta on the branches that the contacts are on when the step begins. Where
+one leaves its branch inside the step (it stops, turns round, sticks or breaks away), the
+instant follows in closed form from the step's own polynomials, and the friction's deviation
+acts through the robot's own response at frozen coefficients. The upper carriage has its
+friction to itself (`scdpr_jax.stick_slip`); the lower carriage and both drives share the pair
+$(\dot q_3, \dot y_e)$ (`scdpr_jax.pulley_stick_slip`). There is no loop inside a step, so that
+it vectorises, and derivatives hold through every event.
 
-A carriage that sticks has a velocity of exactly zero; that is the engine's only memory.
+A carriage that sticks has a velocity of exactly zero, a drive that sticks has
+$\dot q_3 = \mp\dot y_e$ exactly; that is the engine's only memory.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
@@ -19,6 +20,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from scdpr_jax import pulley_stick_slip, stick_slip
 from scdpr_jax.cable import carriage_stiffness, loop_forces
 from scdpr_jax.drive import motor_torque
 from scdpr_jax.dynamics import State, dampings, masses, smooth_forces
@@ -27,10 +29,12 @@ from scdpr_jax.friction import Coulomb
 from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.once import once
 from scdpr_jax.parameters import Robot
-from scdpr_jax.stick_slip import Assumed, Deviation, Quadratic, branch_at_start, deviation
+from scdpr_jax.stick_slip import Quadratic
 
-_CARRIAGES = (2, 3)
-"""The coordinates with friction, $q_3$ and $q_4$."""
+_LOWER, _UPPER, _HEIGHT = 2, 3, 4
+"""The coordinates with friction, $q_3$, $q_4$ and $y_e$."""
+_PAIR = (_LOWER, _HEIGHT)
+"""Those that share the lower carriage's and the drives' friction."""
 
 _Five = tuple[Float[Array, ""], ...]
 """A scalar for each of the five coordinates."""
@@ -107,38 +111,43 @@ def step(robot: Robot, state: State, held: Inputs) -> State:
         held: Commands and knock of this one interval.
 
     Returns:
-        State at the end; a carriage that sticks has a velocity of exactly zero.
+        State at the end; what sticks has a velocity, or a pulley's rate, of exactly zero.
 
     Raises:
         TypeError: If a carriage has another friction law.
     """
     start = _Moving(*(tuple(jnp.unstack(part)) for part in (state.position, state.velocity)))
     stages = _runge_kutta(robot, start, held)
-    mass = jnp.unstack(masses(robot))
-    stiffness = carriage_stiffness(robot, state.position)
-    carriages = [
-        _Carriage(
-            index=index,
-            rate=damping / mass[index],
-            couplings=tuple(k / m for k, m in zip(jnp.unstack(row), mass, strict=True)),
-        )
-        for index, damping, row in zip(
-            _CARRIAGES, jnp.unstack(dampings(robot))[2:4], jnp.unstack(stiffness), strict=True
-        )
-    ]
-    found = [deviation(_assumed_motion(held, stages, carriage)) for carriage in carriages]
-    return _deviate(held, stages.end, carriages, found)
+    answers = _answers(robot, state.position)
+    mass = tuple(jnp.unstack(masses(robot)))
+    upper = stick_slip.deviation(_upper_motion(held, stages, answers[_UPPER]))
+    contacts = pulley_stick_slip.Contacts(
+        tuple(mass[i] for i in _PAIR),
+        tuple(held.duration * limit for limit in stages.middle.limit.pair),
+    )
+    pair = pulley_stick_slip.deviation(_pair_motion(held, stages, answers, mass), contacts)
+    return _deviate(held, stages.end, answers, upper, pair, contacts)
 
 
-class _Carriage(NamedTuple):
-    """A carriage and how the robot answers it, at frozen coefficients."""
+class _Answer(NamedTuple):
+    """How the robot answers a coordinate with friction, at frozen coefficients."""
 
-    index: int
-    """Its place among the coordinates."""
     rate: Float[Array, ""]
     """Damping over its mass [1/s]."""
-    couplings: _Five
-    """Restoring acceleration of each coordinate per displacement of it [1/s²]."""
+    couplings: dict[int, Float[Array, ""]]
+    """Restoring acceleration of coordinates per displacement of it [1/s²]."""
+
+
+def _answers(robot: Robot, position: Float[Array, "5"]) -> dict[int, _Answer]:
+    mass, damping = jnp.unstack(masses(robot)), jnp.unstack(dampings(robot))
+    rows = jnp.unstack(carriage_stiffness(robot, position))
+    couplings = {
+        i: {k: own / mass[k] for k, own in enumerate(jnp.unstack(row))}
+        for i, row in zip((_LOWER, _UPPER), rows, strict=True)
+    }
+    # The height's stiffness is of second order in the inclinations.
+    couplings[_HEIGHT] = {_HEIGHT: jnp.zeros_like(mass[_HEIGHT])}
+    return {i: _Answer(damping[i] / mass[i], own) for i, own in couplings.items()}
 
 
 _STAGES = (
@@ -162,14 +171,22 @@ class _Moving(NamedTuple):
     velocity: _Five
 
 
+class _Limits(NamedTuple):
+    """Largest frictions at a position."""
+
+    upper: Float[Array, ""]
+    """Of the upper carriage, over its mass [m/s²]."""
+    pair: pulley_stick_slip.Three
+    """Of both drives at their pulleys' rims, and of the lower carriage [N]."""
+
+
 class _Stage(NamedTuple):
     """A stage of a Runge-Kutta step, with what acts over the masses [m/s², rad/s²]."""
 
     at: _Moving
     load: _Five
-    """All but the carriages' friction."""
-    limit: tuple[Float[Array, ""], ...]
-    """Largest friction of the lower and of the upper carriage."""
+    """All but dry friction."""
+    limit: _Limits
     slope: _Five
     """Acceleration on the branches."""
 
@@ -177,40 +194,59 @@ class _Stage(NamedTuple):
 class _Stages(NamedTuple):
     """A Runge-Kutta step on the branches that it began on."""
 
-    branch: tuple[Float[Array, ""], ...]
-    """Branch of the lower and of the upper carriage."""
+    upper: Float[Array, ""]
+    """Branch of the upper carriage."""
+    pair: pulley_stick_slip.Branch
+    """Branch of the lower carriage and the drives."""
+    mobility: pulley_stick_slip.Three
+    """That branch's [1/kg]."""
     beginning: _Stage
     middle: _Stage
     last: _Stage
     end: _Moving
 
+    @property
+    def three(self) -> tuple[_Stage, _Stage, _Stage]:
+        """The stages at the beginning, in the middle and at the end of the step."""
+        return self.beginning, self.middle, self.last
+
 
 def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
     mass = jnp.unstack(masses(robot))
+    pair_mass = tuple(mass[i] for i in _PAIR)
     torque = motor_torque(robot.drive, held.voltage)
-    laws = exact_laws(robot)
+    lower, upper = exact_laws(robot)
+    drives = tuple(jnp.unstack(robot.drive.frictions / robot.drive.effective_radius))
 
-    def balance(at: _Moving) -> tuple[_Five, tuple[Float[Array, ""], ...]]:
+    def balance(at: _Moving) -> tuple[_Five, _Limits]:
         loop = loop_forces(robot, jnp.stack(at.position))
         force = smooth_forces(
             robot, loop, jnp.stack(at.velocity), torque=torque, knock=held.knock
         )
         load = tuple(once(f / m) for f, m in zip(jnp.unstack(force), mass, strict=True))
-        normal = zip(laws, at.velocity[2:4], jnp.unstack(loop.normal), mass[2:4], strict=True)
-        return load, tuple(once(law.sliding(v) * n / m) for law, v, n, m in normal)
+        on_lower, on_upper = jnp.unstack(loop.normal)
+        guide = once(lower.sliding(at.velocity[_PAIR[0]]) * on_lower)
+        own = once(upper.sliding(at.velocity[_UPPER]) * on_upper / mass[_UPPER])
+        return load, _Limits(own, (*drives, guide))
+
+    def on_pair(load: _Five) -> pulley_stick_slip.Pair:
+        return tuple(load[i] * mass[i] for i in _PAIR)
 
     load, limit = balance(start)
-    branch = tuple(
-        branch_at_start(start.velocity[i], load[i], own)
-        for i, own in zip(_CARRIAGES, limit, strict=True)
+    branch = stick_slip.branch_at_start(start.velocity[_UPPER], load[_UPPER], limit.upper)
+    pair = pulley_stick_slip.branch_at_start(
+        tuple(start.velocity[i] for i in _PAIR),
+        on_pair(load),
+        pulley_stick_slip.Contacts(pair_mass, limit.pair),
     )
+    mobility = pair.mobility(pair_mass)
 
-    def stage(at: _Moving, load: _Five, limit: tuple[Float[Array, ""], ...]) -> _Stage:
-        sliding = [
-            jnp.where(side == 0, 0.0, load[i] - side * own)
-            for i, side, own in zip(_CARRIAGES, branch, limit, strict=True)
-        ]
-        return _Stage(at, load, limit, (*load[:2], *sliding, load[4]))
+    def stage(at: _Moving, load: _Five, limit: _Limits) -> _Stage:
+        free = jnp.where(branch == 0, 0.0, load[_UPPER] - branch * limit.upper)
+        rubbed = pair.friction(limit.pair)
+        driving = tuple(p - f for p, f in zip(on_pair(load), rubbed, strict=True))
+        along, up = pulley_stick_slip.act(mobility, driving)
+        return _Stage(at, load, limit, (*load[:2], along, free, up))
 
     def ahead(weights: tuple[float, ...]) -> _Moving:
         parts = [(held.duration * w, s) for w, s in zip(weights, stages, strict=True) if w]
@@ -229,50 +265,89 @@ def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
     for weights in _STAGES:
         at = ahead(weights)
         stages.append(stage(at, *balance(at)))
-    return _Stages(branch, *(stages[i] for i in _PLACES), end=ahead(_END))
+    return _Stages(branch, pair, mobility, *(stages[i] for i in _PLACES), end=ahead(_END))
 
 
-def _assumed_motion(held: Inputs, stages: _Stages, carriage: _Carriage) -> Assumed:
-    """A carriage's assumed motion, as polynomials in the step's time."""
-    h, i = held.duration, carriage.index
-    three = (stages.beginning, stages.middle, stages.last)
-    # The load that holds a carriage has no damping in it: a carriage that is held rests.
-    first, middle, last = (
-        h * (stage.load[i] + carriage.rate * stage.at.velocity[i]) for stage in three
-    )
+def _assumed_velocity(h: Float[Array, ""], stages: _Stages, i: int) -> tuple[Quadratic, Array]:
+    """A coordinate's velocity through the step, and the bend that makes it a cubic."""
     start, end = stages.beginning.at.velocity[i], stages.end.velocity[i]
     linear, end_slope = h * stages.beginning.slope[i], h * stages.last.slope[i]
     quadratic = end - start - linear
-    return Assumed(
-        branch=stages.branch[_CARRIAGES.index(i)],
-        velocity=Quadratic(start, linear, quadratic),
-        bend=end_slope - linear - 2 * quadratic,
-        load=Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle),
-        limit=h * stages.middle.limit[_CARRIAGES.index(i)],
+    return Quadratic(start, linear, quadratic), end_slope - linear - 2 * quadratic
+
+
+def _held_load(
+    h: Float[Array, ""], stages: _Stages, i: int, rate: Float[Array, ""]
+) -> Quadratic:
+    """What friction must balance to hold a coordinate: no damping, as what is held rests."""
+    first, middle, last = (
+        h * (stage.load[i] + rate * stage.at.velocity[i]) for stage in stages.three
+    )
+    return Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle)
+
+
+def _upper_motion(held: Inputs, stages: _Stages, answer: _Answer) -> stick_slip.Assumed:
+    """The upper carriage's assumed motion, as polynomials in the step's time."""
+    h = held.duration
+    velocity, bend = _assumed_velocity(h, stages, _UPPER)
+    return stick_slip.Assumed(
+        branch=stages.upper,
+        velocity=velocity,
+        bend=bend,
+        load=_held_load(h, stages, _UPPER, answer.rate),
+        limit=h * stages.middle.limit.upper,
         # The stages hold it where it is.
         unheld=jnp.zeros_like(h),
-        stiffness=jnp.square(h) * carriage.couplings[i],
+        stiffness=jnp.square(h) * answer.couplings[_UPPER],
+    )
+
+
+def _pair_motion(
+    held: Inputs, stages: _Stages, answers: dict[int, _Answer], mass: _Five
+) -> pulley_stick_slip.Assumed:
+    """The assumed motion of the lower carriage and the height, likewise."""
+    h = held.duration
+    velocities, bends = zip(*(_assumed_velocity(h, stages, i) for i in _PAIR), strict=True)
+    loads = [_held_load(h, stages, i, answers[i].rate) for i in _PAIR]
+    return pulley_stick_slip.Assumed(
+        branch=stages.pair,
+        mobility=stages.mobility,
+        velocity=velocities,
+        bend=bends,
+        load=tuple(
+            Quadratic(*(mass[i] * part for part in load))
+            for i, load in zip(_PAIR, loads, strict=True)
+        ),
+        damping=tuple(h * mass[i] * answers[i].rate for i in _PAIR),
+        stiffness=jnp.square(h) * mass[_LOWER] * answers[_LOWER].couplings[_LOWER],
     )
 
 
 def _deviate(
-    held: Inputs, end: _Moving, carriages: Sequence[_Carriage], found: Sequence[Deviation]
+    held: Inputs,
+    end: _Moving,
+    answers: dict[int, _Answer],
+    upper: stick_slip.Deviation,
+    pair: pulley_stick_slip.Deviation,
+    contacts: pulley_stick_slip.Contacts,
 ) -> State:
     """The end of the step under the true friction."""
     h = held.duration
     position, velocity = list(end.position), list(end.velocity)
-    for carriage, own in zip(carriages, found, strict=True):
-        for k, stiffness in enumerate(carriage.couplings):
+    deviations = {_UPPER: upper}
+    for i, moments in zip(_PAIR, zip(*pair.moments, strict=True), strict=True):
+        deviations[i] = stick_slip.Deviation(moments, moments[2:], pair.branch.origin != 0)
+    for i, own in deviations.items():
+        for k, stiffness in answers[i].couplings.items():
             coupling = -jnp.square(h) * stiffness
-            itself = k == carriage.index
             moved, sped = (
-                own.answer(h * carriage.rate, coupling) if itself else own.felt(coupling)
+                own.answer(h * answers[i].rate, coupling) if k == i else own.felt(coupling)
             )
             position[k] += h * moved
             velocity[k] += sped
-    for carriage, own in zip(carriages, found, strict=True):
-        i = carriage.index
-        velocity[i] = jnp.where(own.sticks, 0.0, velocity[i])
+    velocity[_UPPER] = jnp.where(upper.sticks, 0.0, velocity[_UPPER])
+    lower, height = pair.branch.exactly(tuple(velocity[i] for i in _PAIR), contacts.mass)
+    velocity[_PAIR[0]], velocity[_PAIR[1]] = lower, height
     return State(jnp.stack(position), jnp.stack(velocity))
 
 

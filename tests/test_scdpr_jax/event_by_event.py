@@ -1,9 +1,12 @@
 """The robot's motion event by event: slow, and so simple that one can see that it is right.
 
 Written anew from the paper's Eqs. (4), (7), (8), (16), (18) and (21), without `scdpr_jax`.
-Each carriage slides forwards (+1), backwards (-1) or sticks (0). Between events the motion is
-smooth: DOP853 follows the nonlinear robot, a matrix exponential the linear one. An event is
-where a sliding carriage's velocity or a sticking one's reserve of friction passes zero.
+Dry friction acts at contacts: both carriages on their guides and, where they have friction,
+both drives, each along its direction in the coordinates. A contact slides forwards (+1),
+backwards (-1) or sticks (0). Between events the motion is smooth: DOP853 follows the nonlinear
+robot, a matrix exponential the linear one. An event is where a sliding contact's speed or a
+sticking one's reserve of friction passes zero. What contacts at rest do then is found by
+trying all of it: of the accelerations that agree with themselves, Gauss's principle takes one.
 
 Events are looked for at `LOOKS` places of each stretch of at most `STRETCH`, and in each dip
 between them. Missed could be what leaves a mode and is back in it between two neighbouring
@@ -11,6 +14,7 @@ places without a dip at a place: two dips in an eighth of a stretch, or one besi
 """
 
 import dataclasses
+import functools
 import itertools
 from typing import NamedTuple
 
@@ -46,8 +50,21 @@ class Numbers:
     drive_damping: float
     torque_per_volt: float
     voltage_limit: float
+    drive_frictions: tuple[float, float] = (0.0, 0.0)
+
+    @functools.cached_property
+    def contacts(self):
+        """Directions of the contacts: of the carriages, then of drives with friction."""
+        carriages = [[0, 0, 1, 0, 0], [0, 0, 0, 1, 0]]
+        drives = zip([[0, 0, 1, 0, 1], [0, 0, 1, 0, -1]], self.drive_frictions, strict=True)
+        return np.array(carriages + [way for way, friction in drives if friction], float)
 
     @property
+    def drive_limits(self):
+        """Largest friction of the drives that have any, at their pulleys' rims [N]."""
+        return [f / self.effective_radius for f in self.drive_frictions if f]
+
+    @functools.cached_property
     def masses(self):
         """Masses of [x_e, δ_e, q_3, q_4, y_e]."""
         drives = 2 * self.drive_inertia / self.effective_radius**2
@@ -72,10 +89,10 @@ class Held(NamedTuple):
 
 
 class Event(NamedTuple):
-    """A carriage changes its mode: 0 is the lower one, 1 the upper one."""
+    """A contact changes its mode: 0 is the lower carriage, 1 the upper one, then drives."""
 
     time: float
-    carriage: int
+    contact: int
     before: int
     after: int
 
@@ -85,9 +102,14 @@ class Run(NamedTuple):
 
     positions: np.ndarray
     velocities: np.ndarray
-    sticks: np.ndarray
-    """Which carriages stick at the end of each interval."""
+    modes: np.ndarray
+    """Modes of the contacts at the end of each interval."""
     events: list[Event]
+
+    @property
+    def sticks(self):
+        """Which carriages stick at the end of each interval."""
+        return self.modes[:, :2] == 0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,7 +119,7 @@ class Nonlinear:
     numbers: Numbers
 
     def balance(self, state, held):
-        """Forces without dry friction, and the largest friction of both carriages [N]."""
+        """Forces without dry friction, and the largest friction of the contacts [N]."""
         robot, velocity = self.numbers, state[5:]
         x, tilt, lower, upper, y = state[:5]
         a, b, H = robot.lower_offset, robot.upper_offset, robot.frame_height
@@ -117,6 +139,7 @@ class Nonlinear:
             robot.lower_friction * T * (np.cos(gamma) + np.cos(alpha)),
             robot.upper_friction * T * (np.cos(gamma) + np.cos(beta)),
         ]
+        limits += [limit + 0 * x for limit in robot.drive_limits]
         return np.array(forces), np.array(limits)
 
     def energy(self, state):
@@ -144,7 +167,7 @@ class Linear:
     height: float
 
     def balance(self, state, held):
-        """Forces without dry friction, and the largest friction of both carriages [N]."""
+        """Forces without dry friction, and the largest friction of the contacts [N]."""
         robot, velocity = self.numbers, state[5:]
         x, tilt, lower, upper, _ = state[:5]
         a, b, H = robot.lower_offset, robot.upper_offset, robot.frame_height
@@ -160,7 +183,8 @@ class Linear:
             T * (gamma + beta),
             up,
         ]
-        limits = 2 * T * np.array([robot.lower_friction, robot.upper_friction])
+        carriages = [2 * T * robot.lower_friction, 2 * T * robot.upper_friction]
+        limits = np.array(carriages + robot.drive_limits)
         return np.array(forces), np.multiply.outer(limits, np.ones_like(x))
 
     def flow(self, state, modes, held):
@@ -169,11 +193,25 @@ class Linear:
 
 
 def slope(system, state, modes, held):
-    """Time derivative of the state while both carriages keep their modes."""
+    """Time derivative of the state while the contacts keep their modes."""
+    robot = system.numbers
     forces, limits = system.balance(state, held)
-    for i, mode in enumerate(modes):
-        forces[2 + i] = 0.0 if mode == 0 else forces[2 + i] - mode * limits[i]
-    return np.concatenate([state[5:], forces / system.numbers.masses])
+    acceleration = (forces - robot.contacts.T @ (modes * limits)) / robot.masses
+    return np.concatenate([state[5:], _holding(robot, modes) @ acceleration])
+
+
+def _holding(robot, modes):
+    """Takes out of a velocity, or acceleration, what moves the contacts that stick."""
+    return _projection(robot, tuple(np.equal(modes, 0)))
+
+
+@functools.cache
+def _projection(robot, sticking):
+    rows = robot.contacts[np.array(sticking)]
+    answer = rows.T / robot.masses[:, None]
+    projection = np.eye(5) - answer @ np.linalg.pinv(rows @ answer) @ rows
+    # What is held has exactly no velocity.
+    return np.where(np.abs(projection) < 1e-12, 0.0, projection)
 
 
 class _Integrated:
@@ -234,75 +272,131 @@ def simulate(system, start, durations, voltages, knocks):
     interval.
     """
     state, begin = np.array(start, dtype=float), 0.0
-    states, sticks, events = [state], [], []
+    states, kept, events = [state], [], []
     modes = None
     for held in itertools.starmap(Held, zip(durations, voltages, knocks, strict=True)):
         state, modes, found = _interval(system, state, modes, held)
         states.append(state)
-        sticks.append([mode == 0 for mode in modes])
+        kept.append(modes)
         events += [event._replace(time=begin + event.time) for event in found]
         begin += held.duration
     states = np.array(states)
-    return Run(states[:, :5], states[:, 5:], np.array(sticks), events)
+    return Run(states[:, :5], states[:, 5:], np.array(kept), events)
 
 
 def _interval(system, state, modes, held):
     """The state and the modes at the interval's end, and the events on the way."""
-    forces, limits = system.balance(state, held)
-    before, time, events = modes, 0.0, []
-    modes = [_mode(state[7 + i], forces[2 + i], limits[i]) for i in range(2)]
-    if before is not None:
-        # New inputs may break a carriage away at once.
-        changed = [i for i in range(2) if modes[i] != before[i]]
-        events += [Event(0.0, i, before[i], modes[i]) for i in changed]
-    while len(events) < MOST_EVENTS:
-        passed, state, carriage = _to_event(system, state, modes, held, held.duration - time)
-        if carriage is None:
+    speeds = system.numbers.contacts @ state[5:]
+    before, time = modes, 0.0
+    modes = np.sign(speeds if before is None else np.where(np.equal(before, 0), 0, speeds))
+    modes = _set_going(system, state, modes, held)
+    # New inputs may break a contact away at once.
+    events = [] if before is None else _changes(0.0, before, modes)
+    for _ in range(MOST_EVENTS):
+        passed, state, contact = _to_event(system, state, modes, held, held.duration - time)
+        if contact is None:
             return state, modes, events
-        time, was = time + passed, modes[carriage]
-        force, limit = (
-            part[i]
-            for part, i in zip(
-                system.balance(state, held), (2 + carriage, carriage), strict=True
-            )
-        )
-        modes[carriage] = int(np.sign(force)) if was == 0 else _mode(0.0, force, limit)
-        events.append(Event(time, carriage, was, modes[carriage]))
+        time, was = time + passed, modes
+        if modes[contact] == 0:
+            # It is at its limit up to roundings, which are to be out of the decision.
+            modes = _set_going(system, state, modes, held, reached=1 - 1e-6)
+        else:
+            modes = _set_going(system, state, _at_rest(system.numbers, modes, contact), held)
+        events += _changes(time, was, modes)
     raise ArithmeticError(f"more than {MOST_EVENTS} events in {held.duration} s")
 
 
-def _mode(velocity, force, limit):
-    if velocity != 0:
-        return int(np.sign(velocity))
-    return int(np.sign(force)) if abs(force) > limit else 0
+def _changes(time, before, after):
+    changed = np.flatnonzero(before != after)
+    return [Event(time, int(i), int(before[i]), int(after[i])) for i in changed]
+
+
+def _at_rest(robot, modes, stopping):
+    """The modes, with 0 for every contact that rests as this one stops."""
+    modes = np.where(np.arange(len(modes)) == stopping, 0, modes)
+    # Where two of the lower carriage and the drives rest, the pulleys and the height do.
+    left = robot.contacts @ _holding(robot, modes)
+    return np.where(np.abs(left).max(axis=1) < 1e-9, 0, modes)
+
+
+def _set_going(system, state, modes, held, reached=1.0):
+    r"""The modes, with those of contacts at rest (0) as the next instant makes them.
+
+    Gauss's principle: of all accelerations a, the true one has the least
+    $a^T M a / 2 - F^T a + \sum l_i |c_i^T a|$, the sum over the contacts at rest. Each
+    pattern of their modes has one candidate. What moves past these contacts is left out, F
+    is what they would have to hold.
+    """
+    robot = system.numbers
+    forces, limits = system.balance(state, held)
+    limits = np.where(np.equal(modes, 0), reached, 1.0) * limits
+    forces = forces - robot.contacts.T @ (modes * limits)
+    forces = forces - robot.masses * (_holding(robot, modes) @ (forces / robot.masses))
+    resting = np.flatnonzero(np.equal(modes, 0))
+
+    def tried(pattern):
+        new = np.array(modes)
+        new[resting] = pattern
+        acceleration = _holding(robot, new) @ (
+            (forces - robot.contacts[resting].T @ (pattern * limits[resting])) / robot.masses
+        )
+        rates = robot.contacts[resting] @ acceleration
+        agrees = np.all(rates[np.not_equal(pattern, 0)] * pattern[pattern != 0] > 0)
+        energy = robot.masses @ acceleration**2 / 2 - forces @ acceleration
+        return energy + limits[resting] @ np.abs(rates) if agrees else np.inf, new
+
+    patterns = map(np.array, itertools.product([0, 1, -1], repeat=len(resting)))
+    return min(map(tried, patterns), key=lambda candidate: candidate[0])[1]
 
 
 def _to_event(system, state, modes, held, remaining):
-    """Time passed, state and carriage of the first event; no carriage at the interval's end."""
+    """Time passed, state and contact of the first event; no contact at the interval's end."""
     if remaining <= 0:
         return 0.0, state, None
-    flow = system.flow(state, modes, held)
+    robot, flow = system.numbers, system.flow(state, modes, held)
     bounds, path = flow.search(remaining)
     looks = np.concatenate(
         [np.linspace(*ends, LOOKS, endpoint=False) for ends in itertools.pairwise(bounds)]
         + [bounds[-1:]]
     )
 
-    def reserve(time, i):
-        """Positive until carriage `i` leaves its mode."""
-        at = path(time)
-        if modes[i] != 0:
-            return modes[i] * at[7 + i]
-        forces, limits = system.balance(at, held)
-        return limits[i] - abs(forces[2 + i])
+    def speed(time, i):
+        """Positive until sliding contact `i` stops."""
+        return modes[i] * (robot.contacts[i] @ path(time)[5:])
 
-    crossings = [(_crossing(lambda t, i=i: reserve(t, i), looks), i) for i in range(2)]
-    instant, carriage = min(crossings)
-    carriage, instant = (None, remaining) if np.isinf(instant) else (carriage, instant)
+    def reserve(time, way):
+        """Positive until the sticking contacts give way to a motion."""
+        forces, limits = system.balance(path(time), held)
+        # The sliding contacts' friction pulls, the sticking ones' holds.
+        pull = way @ forces - (modes * (robot.contacts @ way)) @ limits
+        holding = np.where(modes == 0, np.abs(robot.contacts @ way), 0) @ limits
+        return holding - np.abs(pull)
+
+    slides = [(speed, i, i) for i in np.flatnonzero(modes != 0)]
+    gives = [(reserve, way, i) for i, way in _ways(robot, modes)]
+    instant, contact = remaining, None
+    for positive, which, i in slides + gives:
+        crossing = _crossing(lambda t, f=positive, w=which: f(t, w), looks)
+        if crossing < instant:
+            instant, contact = crossing, i
     state = flow.at(instant)
     # What sticks rests, and what stops does: the rounding of neither may set it going.
-    state[[7 + i for i in range(2) if modes[i] == 0 or i == carriage]] = 0.0
-    return instant, state, carriage
+    rests = modes if contact is None else _at_rest(robot, modes, contact)
+    state[5:] = _holding(robot, rests) @ state[5:]
+    return instant, state, contact
+
+
+def _ways(robot, modes):
+    """Motions to which sticking contacts may give way first, with one of those contacts."""
+    for group in ([1], [0, *range(2, len(modes))]):
+        sticking = [i for i in group if modes[i] == 0]
+        for i in sticking:
+            row = robot.contacts[i]
+            if len(sticking) == 1:
+                yield i, row / robot.masses
+            else:
+                # Everything rests, and would move as this one contact allows.
+                yield i, np.array([0, 0, row[4], 0, -row[2]])
 
 
 def _crossing(reserve, looks):

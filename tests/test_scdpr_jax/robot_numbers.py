@@ -12,11 +12,11 @@ def numbers_of(robot):
         "lower_friction": robot.lower_carriage.friction.coefficient,
         "upper_friction": robot.upper_carriage.friction.coefficient,
     }
-    return Numbers(
-        **{
-            field.name: float(
-                frictions[field.name] if field.name in frictions else value(robot, field.name)
-            )
-            for field in dataclasses.fields(Numbers)
-        }
-    )
+    scalars = {
+        field.name: float(
+            frictions[field.name] if field.name in frictions else value(robot, field.name)
+        )
+        for field in dataclasses.fields(Numbers)
+        if field.name != "drive_frictions"
+    }
+    return Numbers(**scalars, drive_frictions=tuple(map(float, robot.drive.frictions)))

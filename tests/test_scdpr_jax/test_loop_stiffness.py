@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from scdpr_jax.cable import lengthening, loop_forces, potential
-from scdpr_jax.dynamics import smooth_forces
+from scdpr_jax.dynamics import drive_forces, drive_friction
 from scdpr_jax.parameters import replace
 from scdpr_jax.prototype import consistent
 
@@ -37,9 +37,7 @@ def test_unequal_drives_lift_what_they_only_move_aside_when_equal():
     velocity = jnp.array([0.5, 0.0, 0.5, 0.5, 0.0])
 
     def force(robot):
-        loop = loop_forces(robot, POSITION)
-        zero = jnp.zeros(())
-        return smooth_forces(robot, loop, velocity, torque=jnp.zeros(2), knock=zero)
+        return drive_forces(robot, -drive_friction(robot, velocity))
 
     difference = force(uneven) - force(even)
     # Both drives turn at 6.8 rad/s, far beyond the width: friction is all there.
