@@ -19,11 +19,14 @@ Time runs from 0 to 1 through the step, and forces are multiplied by the step's 
 that they are momenta [N s].
 """
 
+import functools
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from equinox.internal import unvmap_any
+from jaxtyping import Array, Bool, Float, Int
 
 from scdpr_jax.once import once
 from scdpr_jax.stick_slip import Quadratic
@@ -217,24 +220,64 @@ def deviation(assumed: Assumed, contacts: Contacts) -> Deviation:
     motion = _moving(
         none, assumed.branch, (none,) * 3, velocity, load, assumed.mobility, contacts
     )
-    pieces = []
-    for order in range(EVENTS):
-        event = _first_event(motion, contacts, assumed.bend if order == 0 else None)
-        following = _after(assumed, motion, event, contacts, order=order)
+
+    begun = _Followed(motion, ((none, none),) * 4, jnp.ones_like(none, dtype=bool))
+
+    def follow(done: _Followed, order: Int[Array, ""]) -> tuple[_Followed, None]:
+        further = functools.partial(_further, assumed, contacts, order)
+        return _if_anywhere(done.goes_on, further, done), None
+
+    # A loop, so that an event is compiled once.
+    done, _ = jax.lax.scan(follow, begun, jnp.arange(EVENTS))
+    return Deviation(done.moments, done.motion.branch)
+
+
+class _Followed(NamedTuple):
+    """What has been followed of a step."""
+
+    motion: _Motion
+    """The motion from the last event on."""
+    moments: tuple[Pair, Pair, Pair, Pair]
+    """Moments of the deviation until then."""
+    goes_on: Bool[Array, ""]
+    """Whether there was an event, so that there may be another one."""
+
+
+def _further(
+    assumed: Assumed, contacts: Contacts, order: Int[Array, ""], done: _Followed
+) -> _Followed:
+    """Followed to the next event, which is the step's event of this order, from 0."""
+    # The assumed motion is a cubic; after an event a quadratic is what is known.
+    assumed = assumed._replace(bend=tuple(jnp.where(order == 0, b, 0.0) for b in assumed.bend))
+    event = _first_event(done.motion, contacts, assumed.bend)
+    happens = sum(event.mark) > 0
+
+    def beyond(done: _Followed) -> _Followed:
+        last = order == EVENTS - 1
+        following = _after(assumed, done.motion, event, contacts, last=last)
         change = tuple(
-            _once(_sum((1, _later(was, event.passed)), (-1, now)))
-            for was, now in zip(motion.friction, following.friction, strict=True)
+            _sum((1, _later(was, event.passed)), (-1, now))
+            for was, now in zip(done.motion.friction, following.friction, strict=True)
         )
-        pieces.append((1 - following.begin, change))
-        motion = following
-    moments = tuple(
-        tuple(
-            once(sum(_moment(order, left, change[i]) for left, change in pieces))
-            for i in range(2)
+        left = 1 - following.begin
+        moments = tuple(
+            tuple(m + _moment(k, left, own) for m, own in zip(pair, change, strict=True))
+            for k, pair in enumerate(done.moments)
         )
-        for order in range(4)
-    )
-    return Deviation(moments, motion.branch)
+        return _Followed(following, moments, done.goes_on)
+
+    return _if_anywhere(happens, beyond, done)._replace(goes_on=happens)
+
+
+def _if_anywhere(
+    condition: Bool[Array, ""], change: Callable[[_Followed], _Followed], done: _Followed
+) -> _Followed:
+    """What a change makes of it, if the condition holds in any run of a batch.
+
+    Most steps have no event in any of a few runs, and save the work. A run without one is
+    the same to the bit where another's takes it along: all that changes is over no time.
+    """
+    return jax.lax.cond(unvmap_any(condition), change, lambda same: same, done)
 
 
 def _moving(
@@ -259,9 +302,14 @@ def _moving(
 
 
 def _after(
-    assumed: Assumed, motion: _Motion, event: _Event, contacts: Contacts, *, order: int
+    assumed: Assumed,
+    motion: _Motion,
+    event: _Event,
+    contacts: Contacts,
+    *,
+    last: Bool[Array, ""],
 ) -> _Motion:
-    """The motion after its first event, which is the step's event of this order, from 0."""
+    """The motion after its first event, the last of the step that is followed or not."""
     was, mark, passed = motion.branch, event.mark, event.passed
     begin = once(motion.begin + passed)
     happens = sum(mark)
@@ -272,9 +320,8 @@ def _after(
     alone = tuple(e * (1 - on_line - was.origin) for e in mark)
 
     arrived = tuple(v(passed) for v in motion.velocity)
-    if order == 0:
-        bent = jnp.square(passed) * (passed - 1)
-        arrived = tuple(v + b * bent for v, b in zip(arrived, assumed.bend, strict=True))
+    bent = jnp.square(passed) * (passed - 1)
+    arrived = tuple(v + b * bent for v, b in zip(arrived, assumed.bend, strict=True))
     velocity = _stopped(arrived, alone, 1 - stops - was.origin, contacts)
     load = tuple(
         once(p(passed) + c * (v - now))
@@ -286,8 +333,8 @@ def _after(
     given_way = _given_way(was, event, happens=happens, gives_way=gives_way)
     settles = happens * (1 - was.origin) - gives_way != 0
     branch = _once_branch(_chosen(settles, settled, given_way))
-    if order == EVENTS - 1:
-        branch = _rests_if_it_turns(branch, velocity, load, happens * (1 - begin), contacts)
+    rested = _rests_if_it_turns(branch, velocity, load, happens * (1 - begin), contacts)
+    branch = _chosen(last, rested, branch)
     fresh = tuple(jnp.minimum(e + stops + was.origin, 1.0) for e in mark)
     return _onwards(assumed, begin, branch, fresh, velocity, load, contacts)
 
@@ -380,7 +427,7 @@ def _rests_if_it_turns(
     )
 
 
-def _first_event(motion: _Motion, contacts: Contacts, bend: Pair | None) -> _Event:
+def _first_event(motion: _Motion, contacts: Contacts, bend: Pair) -> _Event:
     """When the motion leaves its branch, and by which contact.
 
     A sliding contact stops where its speed passes zero, a held one gives way where what it
@@ -398,9 +445,7 @@ def _first_event(motion: _Motion, contacts: Contacts, bend: Pair | None) -> _Eve
         reserve = _sum((side, speed), (-pulled, hold))
         slack = side * speed.constant * (1 - motion.fresh[i])
         reserve = reserve._replace(constant=slack + held * limit - pulled * hold.constant)
-        bent = None
-        if bend is not None:
-            bent = side * (_CONTACTS[i][0] * bend[0] + _CONTACTS[i][1] * bend[1])
+        bent = side * (_CONTACTS[i][0] * bend[0] + _CONTACTS[i][1] * bend[1])
         times.append(once(_falls(reserve, held != 0, left, bent)))
         towards.append(pulled)
     one, two, three = times
@@ -416,7 +461,7 @@ def _falls(
     reserve: Quadratic,
     held: Bool[Array, ""],
     left: Float[Array, ""],
-    bend: Float[Array, ""] | None,
+    bend: Float[Array, ""],
 ) -> Float[Array, ""]:
     """When a reserve falls below zero first; all the time that is left if it doesn't.
 
@@ -434,7 +479,7 @@ def _falls(
     found = found & (below != 0)
     time = jnp.maximum(above / jnp.where(found, below, 1.0), 0.0)
     time = jnp.where(found & (time < left), time, left)
-    return time if bend is None else jnp.where(time < left, _nearer(reserve, bend, time), time)
+    return jnp.where(time < left, _nearer(reserve, bend, time), time)
 
 
 def _nearer(

@@ -51,6 +51,9 @@ class Numbers:
     torque_per_volt: float
     voltage_limit: float
     drive_frictions: tuple[float, float] = (0.0, 0.0)
+    static_surplus: float = 0.0
+    stribeck_velocity: float = 0.02
+    knock_arm: float = 0.0
 
     @functools.cached_property
     def contacts(self):
@@ -63,6 +66,10 @@ class Numbers:
     def drive_limits(self):
         """Largest friction of the drives that have any, at their pulleys' rims [N]."""
         return [f / self.effective_radius for f in self.drive_frictions if f]
+
+    def rise(self, velocity):
+        """By how much the carriages' friction coefficient is higher at a velocity."""
+        return self.static_surplus * np.exp(-((velocity / self.stribeck_velocity) ** 2))
 
     @functools.cached_property
     def masses(self):
@@ -130,14 +137,19 @@ class Nonlinear:
         along, up = robot.drives(velocity, held.voltage)
         forces = [
             T * (np.sin(alpha) - np.sin(beta)) + held.knock,
-            T * (a * np.sin(alpha - tilt) + b * np.sin(beta - tilt)),
+            T * (a * np.sin(alpha - tilt) + b * np.sin(beta - tilt))
+            - robot.knock_arm * held.knock,
             -T * (np.sin(gamma) + np.sin(alpha)) + along,
             T * (np.sin(gamma) + np.sin(beta)),
             T * (np.cos(beta) - np.cos(alpha)) + up,
         ]
         limits = [
-            robot.lower_friction * T * (np.cos(gamma) + np.cos(alpha)),
-            robot.upper_friction * T * (np.cos(gamma) + np.cos(beta)),
+            (robot.lower_friction + robot.rise(velocity[2]))
+            * T
+            * (np.cos(gamma) + np.cos(alpha)),
+            (robot.upper_friction + robot.rise(velocity[3]))
+            * T
+            * (np.cos(gamma) + np.cos(beta)),
         ]
         limits += [limit + 0 * x for limit in robot.drive_limits]
         return np.array(forces), np.array(limits)
@@ -161,7 +173,10 @@ class Nonlinear:
 
 @dataclasses.dataclass(frozen=True)
 class Linear:
-    """The robot near the aligned pose at a height, Eqs. (18) and (21) with its drives."""
+    """The robot near the aligned pose at a height, Eqs. (18) and (21) with its drives.
+
+    Its friction has no rise, and its knocks no arm.
+    """
 
     numbers: Numbers
     height: float

@@ -11,6 +11,8 @@ def numbers_of(robot):
     frictions = {
         "lower_friction": robot.lower_carriage.friction.coefficient,
         "upper_friction": robot.upper_carriage.friction.coefficient,
+        "static_surplus": robot.lower_carriage.friction.static_surplus,
+        "knock_arm": robot.end_effector.knock_arm,
     }
     scalars = {
         field.name: float(

@@ -93,6 +93,32 @@ def test_errors_are_within_bounds_at_200_hz_and_1_khz(seed, model):
     assert fine <= 2e-7
 
 
+@pytest.mark.parametrize(
+    "seed", [*range(2), *(pytest.param(s, marks=pytest.mark.slow) for s in range(2, 12))]
+)
+def test_friction_that_is_higher_near_standstill_meets_the_reference(seed):
+    robot, random = drawn(seed), np.random.default_rng([seed, 1])
+    friction = float(robot.lower_carriage.friction.coefficient)
+    robot = replace(
+        robot,
+        {
+            "static_friction_surplus": random.uniform(0.1, 0.35) * friction,
+            "stribeck_velocity": random.uniform(0.015, 0.05),
+        },
+    )
+    truth = reference("nonlinear", robot)
+    # It matters: the rise moves the robot by far more than the bounds.
+    level = replace(robot, {"static_friction_surplus": 0.0})
+    assert error(robot, positions("nonlinear", level, 5), truth) > 1e-4
+    coarse, fine = (
+        error(robot, positions("nonlinear", robot, parts), truth) for parts in (1, 5)
+    )
+    # In a step with an event the friction is that of the step's middle: five times the
+    # bounds of friction that doesn't depend on the velocity.
+    assert coarse <= 1e-4
+    assert fine <= 1e-6
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS)
 def test_order_against_the_reference_is_near_three(model):
