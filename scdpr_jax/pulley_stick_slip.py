@@ -20,7 +20,6 @@ that they are momenta [N s].
 """
 
 import functools
-from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -221,15 +220,20 @@ def deviation(assumed: Assumed, contacts: Contacts) -> Deviation:
         none, assumed.branch, (none,) * 3, velocity, load, assumed.mobility, contacts
     )
 
-    begun = _Followed(motion, ((none, none),) * 4, jnp.ones_like(none, dtype=bool))
+    event = _first_event(motion, contacts, assumed.bend)
+    nothing = Deviation(((none, none),) * 4, assumed.branch)
 
     def follow(done: _Followed, order: Int[Array, ""]) -> tuple[_Followed, None]:
         further = functools.partial(_further, assumed, contacts, order)
-        return _if_anywhere(done.goes_on, further, done), None
+        return jax.lax.cond(_anywhere(done.event), further, lambda same: same, done), None
 
-    # A loop, so that an event is compiled once.
-    done, _ = jax.lax.scan(follow, begun, jnp.arange(EVENTS))
-    return Deviation(done.moments, done.motion.branch)
+    def every(begun: _Followed) -> Deviation:
+        # A loop, so that an event is compiled once.
+        done, _ = jax.lax.scan(follow, begun, jnp.arange(EVENTS))
+        return Deviation(done.moments, done.motion.branch)
+
+    begun = _Followed(motion, event, nothing.moments)
+    return jax.lax.cond(_anywhere(event), every, lambda _: nothing, begun)
 
 
 class _Followed(NamedTuple):
@@ -237,47 +241,45 @@ class _Followed(NamedTuple):
 
     motion: _Motion
     """The motion from the last event on."""
+    event: _Event
+    """The next one."""
     moments: tuple[Pair, Pair, Pair, Pair]
-    """Moments of the deviation until then."""
-    goes_on: Bool[Array, ""]
-    """Whether there was an event, so that there may be another one."""
+    """Moments of the deviation until the last one."""
 
 
 def _further(
     assumed: Assumed, contacts: Contacts, order: Int[Array, ""], done: _Followed
 ) -> _Followed:
-    """Followed to the next event, which is the step's event of this order, from 0."""
-    # The assumed motion is a cubic; after an event a quadratic is what is known.
-    assumed = assumed._replace(bend=tuple(jnp.where(order == 0, b, 0.0) for b in assumed.bend))
-    event = _first_event(done.motion, contacts, assumed.bend)
-    happens = sum(event.mark) > 0
+    """Followed beyond the next event, which is the step's event of this order, from 0."""
+    # The assumed motion is a cubic until the first event, a quadratic from then on.
+    bend = tuple(jnp.where(order == 0, b, 0.0) for b in assumed.bend)
+    following = _after(
+        assumed._replace(bend=bend),
+        done.motion,
+        done.event,
+        contacts,
+        last=order == EVENTS - 1,
+    )
+    change = tuple(
+        _sum((1, _later(was, done.event.passed)), (-1, now))
+        for was, now in zip(done.motion.friction, following.friction, strict=True)
+    )
+    left = 1 - following.begin
+    moments = tuple(
+        tuple(m + _moment(k, left, own) for m, own in zip(pair, change, strict=True))
+        for k, pair in enumerate(done.moments)
+    )
+    event = _first_event(following, contacts, (jnp.zeros_like(left),) * 2)
+    return _Followed(following, event, moments)
 
-    def beyond(done: _Followed) -> _Followed:
-        last = order == EVENTS - 1
-        following = _after(assumed, done.motion, event, contacts, last=last)
-        change = tuple(
-            _sum((1, _later(was, event.passed)), (-1, now))
-            for was, now in zip(done.motion.friction, following.friction, strict=True)
-        )
-        left = 1 - following.begin
-        moments = tuple(
-            tuple(m + _moment(k, left, own) for m, own in zip(pair, change, strict=True))
-            for k, pair in enumerate(done.moments)
-        )
-        return _Followed(following, moments, done.goes_on)
 
-    return _if_anywhere(happens, beyond, done)._replace(goes_on=happens)
+def _anywhere(event: _Event) -> Bool[Array, ""]:
+    """Whether there is an event in any run of a batch.
 
-
-def _if_anywhere(
-    condition: Bool[Array, ""], change: Callable[[_Followed], _Followed], done: _Followed
-) -> _Followed:
-    """What a change makes of it, if the condition holds in any run of a batch.
-
-    Most steps have no event in any of a few runs, and save the work. A run without one is
-    the same to the bit where another's takes it along: all that changes is over no time.
+    Most steps have none in any of a few runs, and save the work. A run without one is the
+    same to the bit where another's takes it along: all that changes is over no time.
     """
-    return jax.lax.cond(unvmap_any(condition), change, lambda same: same, done)
+    return unvmap_any(sum(event.mark) > 0)
 
 
 def _moving(
