@@ -101,7 +101,9 @@ def _drives_alone(problem: Problem, base: np.ndarray) -> np.ndarray:
     """The start with the drives' own quantities from the runs without the cable."""
     if problem.motor_records is None:
         return base
-    alone = dataclasses.replace(problem, records=None, rough=None, cabled=())
+    # What was measured at a setting says nothing of the drives until its runs are there.
+    common = tuple(one for one in problem.measured if one.setting is None)
+    alone = dataclasses.replace(problem, records=None, rough=None, cabled=(), measured=common)
     return alone.minimise(base, iterations=30, decrement=1e-2).point
 
 
