@@ -333,11 +333,7 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> list[str]:
         and run.camera is not None
         and run.name in estimate.circumstances
     ]
-    drifts = [1e6 * float(own.clock_drift) for own in estimate.circumstances.values()]
-    drifting = [
-        f"By the fit the cameras' clocks run {plain(min(drifts), 3)} to "
-        f"{plain(max(drifts), 3)} ppm faster than the drives'."
-    ] * estimate.clock_drifts
+    drifting = _drifts(campaign, estimate)
     if not unknown:
         return drifting
     offsets = {name: 1e3 * float(estimate.circumstances[name].clock_offset) for name in unknown}
@@ -348,6 +344,21 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> list[str]:
     return [
         f"The camera's clock was unknown and estimated, camera minus drive: {told}.",
         *drifting,
+    ]
+
+
+def _drifts(campaign: Campaign, estimate: Estimate) -> list[str]:
+    seen = [
+        estimate.circumstances[run.name]
+        for run in campaign.runs
+        if run.camera is not None and run.name in estimate.circumstances
+    ]
+    if not (estimate.clock_drifts and seen):
+        return []
+    drifts = [1e6 * float(own.clock_drift) for own in seen]
+    return [
+        f"By the fit the cameras' clocks run {plain(min(drifts), 3)} to "
+        f"{plain(max(drifts), 3)} ppm faster than the drives'."
     ]
 
 

@@ -57,6 +57,17 @@ def test_many_clocks_are_told_as_a_range():
     assert any("10.0 to 50.0 ms in 5 runs" in line for line in told.sure)
 
 
+@pytest.mark.parametrize("drifts", [False, True])
+def test_without_a_run_with_the_cable_on_no_clock_is_told(drifts):
+    drives = dataclasses.replace(estimate(), circumstances={}, clock_drifts=drifts)
+    assert not any("clock" in line for line in said(drives).sure)
+
+
+def test_drifting_clocks_are_told_as_a_range():
+    told = said(dataclasses.replace(estimate(), clock_drifts=True)).sure
+    assert any("run 0 to 0 ppm faster than the drives'" in line for line in told)
+
+
 def test_an_encoder_is_told_in_millimetres_of_cable():
     found = estimate()
     channels = found.comparisons[3].channels
