@@ -168,7 +168,6 @@ def posterior_table(posterior: Posterior) -> Table:
     Returns:
         A row for each quantity: its mean, spread and interval, and how far the chains agree.
     """
-    flat = posterior.draws.reshape(-1, len(posterior.names))
     rows = tuple(
         (
             name,
@@ -181,8 +180,8 @@ def posterior_table(posterior: Posterior) -> Table:
         )
         for (name, setting), mean, spread, ends, r_hat, effective in zip(
             posterior.names,
-            flat.mean(axis=0).tolist(),
-            flat.std(axis=0).tolist(),
+            posterior.mean.tolist(),
+            posterior.sigma.tolist(),
             posterior.interval().tolist(),
             posterior.r_hat.tolist(),
             posterior.effective.tolist(),

@@ -155,14 +155,14 @@ def _circumstances(estimate: Estimate, run: str) -> dict[str, float | None]:
 
 
 def _posterior(drawn: Posterior) -> list[dict[str, Any]]:
-    flat = drawn.draws.reshape(-1, len(drawn.names))
+    mean, sigma, interval = drawn.mean, drawn.sigma, drawn.interval()
     return [
         {
             "name": name,
             "setting": setting,
-            "mean": float(flat[:, k].mean()),
-            "sigma": float(flat[:, k].std()),
-            "interval95": drawn.interval()[k].tolist(),
+            "mean": float(mean[k]),
+            "sigma": float(sigma[k]),
+            "interval95": interval[k].tolist(),
             "r_hat": float(drawn.r_hat[k]),
             "effective_draws": float(drawn.effective[k]),
         }

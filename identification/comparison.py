@@ -10,7 +10,7 @@ from jaxtyping import Array, Float, Int
 from identification.accumulate import motor_angles
 from identification.campaign.types import Run, Sensors
 from identification.record import MotorRecord, Record
-from identification.residuals import Circumstances, frames, move
+from identification.residuals import Circumstances, drive_time, frames, move
 from identification.unknowns import apply
 from scdpr_jax.parameters import Robot
 
@@ -167,8 +167,7 @@ def compare(
             )
         used = seen[number, :count] > 0
         measured = np.where(used, frame[number, :count], np.nan)
-        offset, drift = clocks[number]
-        since = (frame_time[number, :count] - offset) / (1 + drift)
+        since = drive_time(frame_time[number, :count], *map(float, clocks[number]))
         stamps = since + run.drive.time[0]
         found.append(
             _comparison(

@@ -28,6 +28,7 @@ from identification.uncertainty import (
     judge,
 )
 from identification.unknowns import (
+    CIRCUMSTANCES,
     CLOCK,
     DEFAULT_FREE,
     FOLLOWS,
@@ -264,16 +265,10 @@ def vector(problem: Problem, found: Estimate) -> Float[np.ndarray, " n"]:
             point[index] = encode(name, number)
     for row, run in enumerate(problem.cabled):
         own = found.circumstances[problem.runs[run].name]
-        clock = float(own.clock_offset) - problem.clocks[row].offset
-        point[problem.own(run)] = [
-            own.lower,
-            own.upper,
-            own.height,
-            own.knock,
-            own.knock_arm,
-            clock,
-            own.clock_drift,
-        ]
+        at = problem.own(run)
+        point[at] = [float(getattr(own, name)) for name in CIRCUMSTANCES]
+        # The fit holds what is beyond what was known of the clock before.
+        point[at[CIRCUMSTANCES.index("clock_offset")]] -= problem.clocks[row].offset
     return point
 
 

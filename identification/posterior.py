@@ -56,6 +56,16 @@ class Posterior:
     effective: Float[np.ndarray, " quantities"] = dataclasses.field(metadata=si("1"))
     """Independent draws that these are worth [1]."""
 
+    @property
+    def mean(self) -> Float[np.ndarray, " quantities"]:
+        """Means of the quantities [SI]."""
+        return self._flat.mean(axis=0)
+
+    @property
+    def sigma(self) -> Float[np.ndarray, " quantities"]:
+        """Standard deviations of the quantities [SI]."""
+        return self._flat.std(axis=0)
+
     def interval(self, level: float = 0.95) -> Float[np.ndarray, "quantities 2"]:
         """Central intervals of the quantities.
 
@@ -66,8 +76,11 @@ class Posterior:
             Lower and upper ends [SI].
         """
         tails = (0.5 - level / 2, 0.5 + level / 2)
-        flat = self.draws.reshape(-1, self.draws.shape[-1])
-        return np.quantile(flat, tails, axis=0).T
+        return np.quantile(self._flat, tails, axis=0).T
+
+    @property
+    def _flat(self) -> Float[np.ndarray, "all quantities"]:
+        return self.draws.reshape(-1, self.draws.shape[-1])
 
 
 class _Sampled:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from identification.record import Record
@@ -94,7 +95,9 @@ def frames(
     """
     inputs = motion.inputs
     ends = jnp.cumsum(inputs.duration)
-    instant = drive_time(record.frame_time, circumstances)
+    instant = drive_time(
+        record.frame_time, circumstances.clock_offset, circumstances.clock_drift
+    )
     interval = jnp.clip(jnp.searchsorted(ends, instant), 0, ends.size - 1)
     duration = inputs.duration[interval]
     into = instant - (ends[interval] - duration)
@@ -102,17 +105,22 @@ def frames(
     return interpolate(motion.states, inputs, interval=interval, fraction=fraction)
 
 
-def drive_time(stamp: Float[Array, "..."], circumstances: Circumstances) -> Float[Array, "..."]:
+def drive_time(
+    stamp: Float[Array | np.ndarray, "..."],
+    offset: Float[Array, ""] | float,
+    drift: Float[Array, ""] | float,
+) -> Float[Array | np.ndarray, "..."]:
     """Instants of the drives' clock at stamps of the camera's.
 
     Args:
         stamp: Stamps, less what was known of the clock before [s].
-        circumstances: The run's own, of which the clock matters.
+        offset: Camera time minus drive time at the run's first row, beyond that [s].
+        drift: By how much the camera's clock runs faster [1].
 
     Returns:
         Instants since the run's first row [s].
     """
-    return (stamp - circumstances.clock_offset) / (1 + circumstances.clock_drift)
+    return (stamp - offset) / (1 + drift)
 
 
 def residuals(motion: Motion, circumstances: Circumstances, record: Record) -> Residuals:

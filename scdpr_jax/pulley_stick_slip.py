@@ -28,7 +28,7 @@ from equinox.internal import unvmap_any
 from jaxtyping import Array, Bool, Float, Int
 
 from scdpr_jax.once import once
-from scdpr_jax.stick_slip import Quadratic
+from scdpr_jax.stick_slip import Quadratic, nearer
 
 EVENTS = 3
 """Events of one step that are followed; after them it stays on its branch, or at rest. With two
@@ -481,21 +481,7 @@ def _falls(
     found = found & (below != 0)
     time = jnp.maximum(above / jnp.where(found, below, 1.0), 0.0)
     time = jnp.where(found & (time < left), time, left)
-    return jnp.where(time < left, _nearer(reserve, bend, time), time)
-
-
-def _nearer(
-    reserve: Quadratic, bend: Float[Array, ""], time: Float[Array, ""]
-) -> Float[Array, ""]:
-    r"""A zero of the quadratic, one step of Newton's nearer to that of the cubic.
-
-    The cubic is the quadratic and $b\,\theta^2(\theta - 1)$, with the bend $b$.
-    """
-    excess = bend * jnp.square(time) * (time - 1)
-    slope = reserve.linear + time * (2 * reserve.quadratic + bend * (3 * time - 2))
-    falls = slope < 0
-    correction = jnp.where(falls, excess / jnp.where(falls, slope, 1.0), 0.0)
-    return jnp.clip(time - correction, 0.0, 1.0)
+    return jnp.where(time < left, nearer(reserve, bend, time), time)
 
 
 def _ways(branch: Branch, contacts: Contacts) -> tuple[Pair, Pair, Pair]:

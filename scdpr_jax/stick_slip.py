@@ -171,18 +171,29 @@ def _stop(assumed: Assumed) -> tuple[Float[Array, ""], Bool[Array, ""]]:
     time = jnp.where(start == 0, from_rest, moving)
     stops = (branch != 0) & (time < 1)
     time = jnp.where(stops, time, 1.0)
-    return jnp.where(branch == 0, 0.0, jnp.where(stops, _nearer(assumed, time), 1.0)), stops
+    reserve = Quadratic(branch * start, branch * linear, branch * quadratic)
+    closer = nearer(reserve, branch * assumed.bend, time)
+    return jnp.where(branch == 0, 0.0, jnp.where(stops, closer, 1.0)), stops
 
 
-def _nearer(assumed: Assumed, time: Float[Array, ""]) -> Float[Array, ""]:
-    r"""A zero of the quadratic, one step of Newton's nearer to that of the cubic.
+def nearer(
+    reserve: Quadratic, bend: Float[Array, ""], time: Float[Array, ""]
+) -> Float[Array, ""]:
+    r"""A zero of a quadratic that falls there, one step of Newton's nearer to that of a cubic.
 
     The cubic is the quadratic and $b\,\theta^2(\theta - 1)$, with the bend $b$.
+
+    Args:
+        reserve: The quadratic.
+        bend: The bend.
+        time: Its zero.
+
+    Returns:
+        The nearer one, within the step.
     """
-    _, linear, quadratic = assumed.velocity
-    excess = assumed.bend * jnp.square(time) * (time - 1)
-    slope = linear + time * (2 * quadratic + assumed.bend * (3 * time - 2))
-    falls = assumed.branch * slope < 0
+    excess = bend * jnp.square(time) * (time - 1)
+    slope = reserve.linear + time * (2 * reserve.quadratic + bend * (3 * time - 2))
+    falls = slope < 0
     correction = jnp.where(falls, excess / jnp.where(falls, slope, 1.0), 0.0)
     return jnp.clip(time - correction, 0.0, 1.0)
 
