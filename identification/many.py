@@ -11,7 +11,9 @@ there yet go on among themselves.
 """
 
 import dataclasses
-from typing import NamedTuple
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -98,7 +100,7 @@ def estimate_many(
     """Fit every run by itself, all of them in one batch.
 
     Args:
-        robot: What isn't fitted; its drives have no dry friction.
+        robot: What isn't fitted; its drives' dry friction is held.
         runs: The runs, of a rank more than one of them.
         starts: Where each search begins, in the order of `NAMES`; twice too large or too
             small is near enough.
@@ -120,23 +122,34 @@ def estimate_many(
     count = len(starts)
     alike = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count, *leaf.shape)), robot)
     given = (alike, np.full(count, interval), runs)
+    rubbing = bool(np.any(robot.drive.frictions != 0))
 
     begun = in_chunks(_balanced, (*given, _encoded(starts)), size=LANES)
-    points = in_chunks(_scanned, (*given, begun), size=LANES)
-    lanes, steps = _followed_together(given, points, rounds=rounds)
+    points = in_chunks(_stage(_scanned, rubbing), (*given, begun), size=LANES)
+    lanes, steps = _followed_together(_stage(_followed, rubbing), given, points, rounds=rounds)
     return _judged(lanes, np.sum(np.asarray(runs.weight) > 0, axis=(1, 2)), steps)
 
 
+@functools.cache
+def _stage(stage: Callable[..., Any], rubbing_drives: bool) -> Callable[..., Any]:
+    """A stage of a fit; the same one each time, as it is compiled for what it is."""
+    return functools.partial(stage, rubbing_drives=rubbing_drives)
+
+
 def _followed_together(
-    given: tuple[Robot, np.ndarray, ShortRuns], points: np.ndarray, *, rounds: int
-) -> tuple["_Lane", np.ndarray]:
+    followed: Callable[..., _Lane],
+    given: tuple[Robot, np.ndarray, ShortRuns],
+    points: np.ndarray,
+    *,
+    rounds: int,
+) -> tuple[_Lane, np.ndarray]:
     """Lanes that are followed until they promise nothing, and the steps that each took."""
     count = len(points)
     steps, left, lanes = np.zeros(count, dtype=int), np.arange(count), None
     while left.size and steps.max() < rounds * STEPS:
         chosen = jax.tree.map(lambda leaf, left=left: np.asarray(leaf)[left], given)
         at = points if lanes is None else lanes.point
-        found = in_chunks(_followed, (*chosen, at[left]), size=LANES)
+        found = in_chunks(followed, (*chosen, at[left]), size=LANES)
         if lanes is None:
             lanes = _Lane(*map(np.array, found))
         for whole, part in zip(lanes, found, strict=True):
@@ -180,8 +193,9 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
        = -\tfrac{2J}{r^2} \Delta q_3 - \tfrac{2b}{r^2} \int \Delta q_3
          - F \iint (\mathrm{sgn}\,\dot q_3 + \mathrm{sgn}\,\dot q_4) $$
 
-    linear in J, b and F. The upper carriage is taken to slide as the lower one does, up to
-    where that one stands again: the friction that holds it isn't known.
+    linear in J, b and F; the drives' known dry friction is taken off their torques. The upper
+    carriage is taken to slide as the lower one does, up to where that one stands again: the
+    friction that holds it isn't known.
     """
     robot, interval, run, start = given
     radius = value(robot, "effective_radius")
@@ -190,6 +204,8 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
     noise = radius / jnp.sqrt(jnp.sum(jnp.square(weight[0, :2])))
     travel = jnp.diff(lower)
     slides = jnp.abs(travel) > STANDING * noise
+    turns = jnp.diff(measured[:, :2], axis=0)
+    turning = jnp.abs(turns) * weight[:1, :2] > STANDING
     begun = jnp.cumsum(slides) > 0
     stood = jnp.cumsum(begun & ~slides) > 0
 
@@ -200,7 +216,8 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
         speed = integral(held)
         return integral((speed[1:] + speed[:-1]) / 2)
 
-    torque = jnp.sum(motor_torque(robot.drive, run.voltage), axis=1)
+    rubbed = robot.drive.frictions[None, :] * jnp.where(turning, jnp.sign(turns), 0.0)
+    torque = jnp.sum(motor_torque(robot.drive, run.voltage) - rubbed, axis=1)
     masses = (
         value(robot, f"{name}_mass")
         for name in ("end_effector", "lower_carriage", "upper_carriage")
@@ -227,13 +244,16 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
     return start.at[:3].add(jnp.log(jnp.clip(share, 1 / LARGEST_SHARE, LARGEST_SHARE)))
 
 
-def _scanned(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
+def _scanned(
+    given: tuple[Robot, Array, ShortRuns, Array], *, rubbing_drives: bool
+) -> Float[Array, "4"]:
     """The point with the pretension about it that fits best."""
     robot, interval, run, start = given
 
     def misfit(factor: Float[Array, ""]) -> Float[Array, ""]:
         point = start.at[3].add(jnp.log(factor))
-        found = jnp.sum(jnp.square(_residuals(robot, interval, point, run)))
+        left = _residuals(robot, interval, point, run, rubbing_drives=rubbing_drives)
+        found = jnp.sum(jnp.square(left))
         return jnp.where(jnp.isfinite(found), found, jnp.inf)
 
     tried = jnp.asarray(PRETENSIONS, dtype=start.dtype)
@@ -242,13 +262,13 @@ def _scanned(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
     return start.at[3].add(jnp.log(best))
 
 
-def _followed(given: tuple[Robot, Array, ShortRuns, Array]) -> _Lane:
+def _followed(given: tuple[Robot, Array, ShortRuns, Array], *, rubbing_drives: bool) -> _Lane:
     """`STEPS` steps by Levenberg and Marquardt."""
     robot, interval, run, start = given
 
     def normal(point: Float[Array, "4"]) -> tuple[Array, Array, Array]:
         def both(x: Float[Array, "4"]) -> tuple[Array, Array]:
-            found = _residuals(robot, interval, x, run)
+            found = _residuals(robot, interval, x, run, rubbing_drives=rubbing_drives)
             return found, found
 
         jacobian, found = jax.jacfwd(both, has_aux=True)(point)
@@ -334,7 +354,12 @@ def _unfinished(lanes: _Lane, row: int, chi_square: float) -> str:
 
 
 def _residuals(
-    robot: Robot, interval: Float[Array, ""], point: Float[Array, "4"], run: ShortRuns
+    robot: Robot,
+    interval: Float[Array, ""],
+    point: Float[Array, "4"],
+    run: ShortRuns,
+    *,
+    rubbing_drives: bool,
 ) -> Float[Array, "rows 6"]:
     """Measured minus simulated over the noise, the encoders' zero taken out."""
     force, inertia, damping, pretension = jnp.exp(point)
@@ -354,6 +379,7 @@ def _residuals(
         interval=interval,
         voltage=run.voltage,
         knock=run.knock,
+        rubbing_drives=rubbing_drives,
     )
     x, tilt, lower, upper, height = states.position.T
     radius = value(robot, "effective_radius")

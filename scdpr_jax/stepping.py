@@ -29,15 +29,12 @@ from scdpr_jax.friction import Coulomb
 from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.once import once
 from scdpr_jax.parameters import Robot
-from scdpr_jax.stick_slip import Quadratic
+from scdpr_jax.stick_slip import Quadratic, Scalars
 
 _LOWER, _UPPER, _HEIGHT = 2, 3, 4
 """The coordinates with friction, $q_3$, $q_4$ and $y_e$."""
 _PAIR = (_LOWER, _HEIGHT)
 """Those that share the lower carriage's and the drives' friction."""
-
-_Five = tuple[Float[Array, ""], ...]
-"""A scalar for each of the five coordinates."""
 
 
 class Inputs(eqx.Module):
@@ -118,36 +115,31 @@ def step(robot: Robot, state: State, held: Inputs) -> State:
     """
     start = _Moving(*(tuple(jnp.unstack(part)) for part in (state.position, state.velocity)))
     stages = _runge_kutta(robot, start, held)
-    answers = _answers(robot, state.position)
+    responses = _responses(robot, state, held)
     mass = tuple(jnp.unstack(masses(robot)))
-    upper = stick_slip.deviation(_upper_motion(held, stages, answers[_UPPER]))
+    upper = stick_slip.deviation(_upper_motion(held, stages, responses[_UPPER]))
     contacts = pulley_stick_slip.Contacts(
         tuple(mass[i] for i in _PAIR),
         tuple(held.duration * limit for limit in stages.middle.limit.pair),
     )
-    pair = pulley_stick_slip.deviation(_pair_motion(held, stages, answers, mass), contacts)
-    return _deviate(held, stages.end, answers, upper, pair, contacts)
+    pair = pulley_stick_slip.deviation(_pair_motion(held, stages, responses, mass), contacts)
+    return _deviated(held, stages.end, responses, upper, pair, contacts)
 
 
-class _Answer(NamedTuple):
-    """How the robot answers a coordinate with friction, at frozen coefficients."""
-
-    rate: Float[Array, ""]
-    """Damping over its mass [1/s]."""
-    couplings: dict[int, Float[Array, ""]]
-    """Restoring acceleration of coordinates per displacement of it [1/s²]."""
-
-
-def _answers(robot: Robot, position: Float[Array, "5"]) -> dict[int, _Answer]:
-    mass, damping = jnp.unstack(masses(robot)), jnp.unstack(dampings(robot))
-    rows = jnp.unstack(carriage_stiffness(robot, position))
+def _responses(robot: Robot, state: State, held: Inputs) -> dict[int, stick_slip.Response]:
+    """How the robot answers coordinates with friction, at frozen coefficients."""
+    h, mass = held.duration, jnp.unstack(masses(robot))
+    damping = jnp.unstack(dampings(robot))
+    rows = jnp.unstack(carriage_stiffness(robot, state.position))
     couplings = {
-        i: {k: own / mass[k] for k, own in enumerate(jnp.unstack(row))}
+        i: {k: -jnp.square(h) * own / mass[k] for k, own in enumerate(jnp.unstack(row))}
         for i, row in zip((_LOWER, _UPPER), rows, strict=True)
     }
     # The height's stiffness is of second order in the inclinations.
     couplings[_HEIGHT] = {_HEIGHT: jnp.zeros_like(mass[_HEIGHT])}
-    return {i: _Answer(damping[i] / mass[i], own) for i, own in couplings.items()}
+    return {
+        i: stick_slip.Response(h * damping[i] / mass[i], own) for i, own in couplings.items()
+    }
 
 
 _STAGES = (
@@ -167,8 +159,8 @@ _PLACES = (0, 3, 5)
 class _Moving(NamedTuple):
     """A state as scalars: batched, each is an array of its own."""
 
-    position: _Five
-    velocity: _Five
+    position: Scalars
+    velocity: Scalars
 
 
 class _Limits(NamedTuple):
@@ -184,10 +176,10 @@ class _Stage(NamedTuple):
     """A stage of a Runge-Kutta step, with what acts over the masses [m/s², rad/s²]."""
 
     at: _Moving
-    load: _Five
+    load: Scalars
     """All but dry friction."""
     limit: _Limits
-    slope: _Five
+    slope: Scalars
     """Acceleration on the branches."""
 
 
@@ -218,7 +210,7 @@ def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
     lower, upper = exact_laws(robot)
     drives = tuple(jnp.unstack(robot.drive.frictions / robot.drive.effective_radius))
 
-    def balance(at: _Moving) -> tuple[_Five, _Limits]:
+    def balance(at: _Moving) -> tuple[Scalars, _Limits]:
         loop = loop_forces(robot, jnp.stack(at.position))
         force = smooth_forces(
             robot, loop, jnp.stack(at.velocity), torque=torque, knock=held.knock
@@ -229,7 +221,7 @@ def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
         own = once(upper.sliding(at.velocity[_UPPER]) * on_upper / mass[_UPPER])
         return load, _Limits(own, (*drives, guide))
 
-    def on_pair(load: _Five) -> pulley_stick_slip.Pair:
+    def on_pair(load: Scalars) -> pulley_stick_slip.Pair:
         return tuple(load[i] * mass[i] for i in _PAIR)
 
     load, limit = balance(start)
@@ -241,7 +233,7 @@ def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
     )
     mobility = pair.mobility(pair_mass)
 
-    def stage(at: _Moving, load: _Five, limit: _Limits) -> _Stage:
+    def stage(at: _Moving, load: Scalars, limit: _Limits) -> _Stage:
         free = jnp.where(branch == 0, 0.0, load[_UPPER] - branch * limit.upper)
         rubbed = pair.friction(limit.pair)
         driving = tuple(p - f for p, f in zip(on_pair(load), rubbed, strict=True))
@@ -277,16 +269,18 @@ def _assumed_velocity(h: Float[Array, ""], stages: _Stages, i: int) -> tuple[Qua
 
 
 def _held_load(
-    h: Float[Array, ""], stages: _Stages, i: int, rate: Float[Array, ""]
+    h: Float[Array, ""], stages: _Stages, i: int, damped: Float[Array, ""]
 ) -> Quadratic:
     """What friction must balance to hold a coordinate: no damping, as what is held rests."""
     first, middle, last = (
-        h * (stage.load[i] + rate * stage.at.velocity[i]) for stage in stages.three
+        h * stage.load[i] + damped * stage.at.velocity[i] for stage in stages.three
     )
     return Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle)
 
 
-def _upper_motion(held: Inputs, stages: _Stages, answer: _Answer) -> stick_slip.Assumed:
+def _upper_motion(
+    held: Inputs, stages: _Stages, response: stick_slip.Response
+) -> stick_slip.Assumed:
     """The upper carriage's assumed motion, as polynomials in the step's time."""
     h = held.duration
     velocity, bend = _assumed_velocity(h, stages, _UPPER)
@@ -294,21 +288,21 @@ def _upper_motion(held: Inputs, stages: _Stages, answer: _Answer) -> stick_slip.
         branch=stages.upper,
         velocity=velocity,
         bend=bend,
-        load=_held_load(h, stages, _UPPER, answer.rate),
+        load=_held_load(h, stages, _UPPER, response.damped),
         limit=h * stages.middle.limit.upper,
         # The stages hold it where it is.
         unheld=jnp.zeros_like(h),
-        stiffness=jnp.square(h) * answer.couplings[_UPPER],
+        stiffness=-response.couplings[_UPPER],
     )
 
 
 def _pair_motion(
-    held: Inputs, stages: _Stages, answers: dict[int, _Answer], mass: _Five
+    held: Inputs, stages: _Stages, responses: dict[int, stick_slip.Response], mass: Scalars
 ) -> pulley_stick_slip.Assumed:
     """The assumed motion of the lower carriage and the height, likewise."""
     h = held.duration
     velocities, bends = zip(*(_assumed_velocity(h, stages, i) for i in _PAIR), strict=True)
-    loads = [_held_load(h, stages, i, answers[i].rate) for i in _PAIR]
+    loads = [_held_load(h, stages, i, responses[i].damped) for i in _PAIR]
     return pulley_stick_slip.Assumed(
         branch=stages.pair,
         mobility=stages.mobility,
@@ -318,33 +312,26 @@ def _pair_motion(
             Quadratic(*(mass[i] * part for part in load))
             for i, load in zip(_PAIR, loads, strict=True)
         ),
-        damping=tuple(h * mass[i] * answers[i].rate for i in _PAIR),
-        stiffness=jnp.square(h) * mass[_LOWER] * answers[_LOWER].couplings[_LOWER],
+        damping=tuple(mass[i] * responses[i].damped for i in _PAIR),
+        stiffness=-mass[_LOWER] * responses[_LOWER].couplings[_LOWER],
     )
 
 
-def _deviate(
+def _deviated(
     held: Inputs,
     end: _Moving,
-    answers: dict[int, _Answer],
+    responses: dict[int, stick_slip.Response],
     upper: stick_slip.Deviation,
     pair: pulley_stick_slip.Deviation,
     contacts: pulley_stick_slip.Contacts,
 ) -> State:
     """The end of the step under the true friction."""
-    h = held.duration
-    position, velocity = list(end.position), list(end.velocity)
     deviations = {_UPPER: upper}
     for i, moments in zip(_PAIR, zip(*pair.moments, strict=True), strict=True):
         deviations[i] = stick_slip.Deviation(moments, moments[2:], pair.branch.origin != 0)
-    for i, own in deviations.items():
-        for k, stiffness in answers[i].couplings.items():
-            coupling = -jnp.square(h) * stiffness
-            moved, sped = (
-                own.answer(h * answers[i].rate, coupling) if k == i else own.felt(coupling)
-            )
-            position[k] += h * moved
-            velocity[k] += sped
+    position, velocity = stick_slip.deviated(
+        *end, duration=held.duration, deviations=deviations, responses=responses
+    )
     velocity[_UPPER] = jnp.where(upper.sticks, 0.0, velocity[_UPPER])
     lower, height = pair.branch.exactly(tuple(velocity[i] for i in _PAIR), contacts.mass)
     velocity[_PAIR[0]], velocity[_PAIR[1]] = lower, height

@@ -15,6 +15,9 @@ from jaxtyping import Array, Bool, Float
 
 from scdpr_jax.once import once
 
+Scalars = tuple[Float[Array, ""], ...]
+"""A scalar for each of some coordinates."""
+
 
 class Quadratic(NamedTuple):
     """A polynomial of second degree in the step's time."""
@@ -58,42 +61,81 @@ class Deviation(NamedTuple):
     sticks: Bool[Array, ""]
     """Whether the carriage stands still at the end of the step."""
 
-    def answer(
-        self, damped: Float[Array, "..."], coupling: Float[Array, "..."]
-    ) -> tuple[Array, Array]:
-        r"""The carriage's own displacement over the step's length, and its velocity [m/s].
 
-        $$ \delta q / h = E_1 - ch E_2 / 2 + \kappa E_3 / 6, \qquad
-           \delta v = E_0 - ch E_1 + \left((ch)^2 + \kappa\right) E_2 / 2 $$
+def answer(
+    moments: tuple[Float[Array, ""], ...],
+    damped: Float[Array, "..."],
+    coupling: Float[Array, "..."] | float,
+) -> tuple[Array, Array]:
+    r"""How a coordinate answers a deviation of its own friction [m/s].
 
-        Args:
-            damped: Damping over mass, times the step's length, $ch$ [1].
-            coupling: Acceleration of the carriage per displacement of its own, times the
-                step's length squared, $\kappa$ [1].
+    $$ \delta q / h = E_1 - ch E_2 / 2 + \kappa E_3 / 6, \qquad
+       \delta v = E_0 - ch E_1 + \left((ch)^2 + \kappa\right) E_2 / 2 $$
 
-        Returns:
-            Both, to be added to the assumed motion's end.
-        """
-        zeroth, first, second, third = self.moments
-        return (
-            first - damped * second / 2 + coupling * third / 6,
-            zeroth - damped * first + (jnp.square(damped) + coupling) * second / 2,
-        )
+    Args:
+        moments: E_0 to E_3 [m/s].
+        damped: Damping over mass, times the step's length, $ch$ [1].
+        coupling: Acceleration of the coordinate per displacement of its own, times the step's
+            length squared, $\kappa$ [1].
 
-    def felt(self, coupling: Float[Array, "..."]) -> tuple[Array, Array]:
-        r"""What another coordinate, tied to the carriage by the cables, feels of it.
+    Returns:
+        Its displacement over the step's length and its velocity, to be added to the assumed
+        motion's end.
+    """
+    zeroth, first, second, third = moments
+    return (
+        first - damped * second / 2 + coupling * third / 6,
+        zeroth - damped * first + (jnp.square(damped) + coupling) * second / 2,
+    )
 
-        $$ \delta x / h = \kappa E_3 / 6, \qquad \delta v = \kappa E_2 / 2 $$
 
-        Args:
-            coupling: Acceleration of the coordinate per displacement of the carriage, times
-                the step's length squared, $\kappa$ [1 for a displacement].
+class Response(NamedTuple):
+    """How the robot answers a coordinate with friction over a step, in units of the step."""
 
-        Returns:
-            Its displacement over the step's length, and its velocity, to be added likewise.
-        """
-        second, third = self.pulls
-        return coupling * third / 6, coupling * second / 2
+    damped: Float[Array, ""]
+    """The coordinate's damping over its mass, times the step's length, $ch$ [1]."""
+    couplings: dict[int, Float[Array, ""]]
+    r"""Acceleration of each coordinate that the cables tie to it, per displacement of it, times
+    the step's length squared, $\kappa$ [1 for a displacement]; its own is among them."""
+
+
+def deviated(
+    position: Scalars,
+    velocity: Scalars,
+    *,
+    duration: Float[Array, ""],
+    deviations: dict[int, Deviation],
+    responses: dict[int, Response],
+) -> tuple[list[Float[Array, ""]], list[Float[Array, ""]]]:
+    r"""The end of a step under the true friction.
+
+    What is tied to a coordinate by the cables feels of its deviation
+
+    $$ \delta x / h = \kappa E_3 / 6, \qquad \delta v = \kappa E_2 / 2 $$
+
+    and the coordinate itself answers as `answer` has it.
+
+    Args:
+        position: Coordinates at the assumed end [m, rad].
+        velocity: Their velocities [m/s, rad/s].
+        duration: Length of the step [s].
+        deviations: What deviates, by coordinate.
+        responses: How the robot answers each of them.
+
+    Returns:
+        Both as they are.
+    """
+    position, velocity = list(position), list(velocity)
+    for i, own in deviations.items():
+        second, third = own.pulls
+        for j, coupling in responses[i].couplings.items():
+            if j == i:
+                moved, sped = answer(own.moments, responses[i].damped, coupling)
+            else:
+                moved, sped = coupling * third / 6, coupling * second / 2
+            position[j] += duration * moved
+            velocity[j] += sped
+    return position, velocity
 
 
 def branch_at_start(
@@ -152,9 +194,25 @@ def deviation(assumed: Assumed) -> Deviation:
     released = load._replace(constant=load.constant - jnp.sign(load(1.0)) * limit)
     tails = [_tail(stopped, stop), _tail(released, release)]
     moments = tuple(once(_moment(order, *tails)) for order in range(4))
+    return deviating(moments, assumed.unheld, sticks=holds & (release == 1))
+
+
+def deviating(
+    moments: tuple[Float[Array, ""], ...], unheld: Float[Array, ""], *, sticks: Bool[Array, ""]
+) -> Deviation:
+    """The deviation with these moments.
+
+    Args:
+        moments: E_0 to E_3 [m/s].
+        unheld: What the assumed friction lacked of the load's square term [m/s].
+        sticks: Whether the coordinate stands still at the end of the step.
+
+    Returns:
+        The deviation.
+    """
     # The moments of the square term are 2 k!/(k+3)!.
-    pulls = (once(moments[2] - assumed.unheld / 30), once(moments[3] - assumed.unheld / 60))
-    return Deviation(moments, pulls, holds & (release == 1))
+    pulls = (once(moments[2] - unheld / 30), once(moments[3] - unheld / 60))
+    return Deviation(moments, pulls, sticks)
 
 
 def _stop(assumed: Assumed) -> tuple[Float[Array, ""], Bool[Array, ""]]:

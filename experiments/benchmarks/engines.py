@@ -23,6 +23,8 @@ class LinearEngine(Contender):
 
     parts: int = eqx.field(static=True, default=PARTS)
     """Steps in an interval of the log."""
+    rubbing_drives: bool = eqx.field(static=True, default=False)
+    """Whether the drives' dry friction is followed: the problem's drives have none."""
 
     def __call__(self, values: Float[Array, "4"]) -> Float[Array, "rows 5"]:
         robot = robot_of(values)
@@ -33,6 +35,7 @@ class LinearEngine(Contender):
             interval=jnp.asarray(LOG, values.dtype),
             voltage=jnp.asarray(TORQUE_STEP, values.dtype),
             substeps=self.parts,
+            rubbing_drives=self.rubbing_drives,
         )
         return states.position
 

@@ -15,7 +15,7 @@ from identification.many import (
     _residuals,
     estimate_many,
 )
-from scdpr_jax.parameters import exact, value
+from scdpr_jax.parameters import exact, replace, value
 from scdpr_jax.prototype import consistent
 
 INTERVAL, INTERVALS = 5e-3, 200
@@ -69,9 +69,10 @@ def test_a_start_that_is_not_positive_is_refused():
         estimate_many(consistent(), runs, start, interval=INTERVAL)
 
 
-def drawn(count):
+def drawn(count, drive_friction=0.0):
     """Runs of drawn robots, their truths, and starts twice too large or too small."""
     robot, random = exact(consistent()), np.random.default_rng(0)
+    robot = replace(robot, {"drive_friction": drive_friction})
     base = np.array([float(value(robot, name)) for name in NAMES])
     pretension = np.exp(random.uniform(np.log(60), np.log(200), count))
     force = np.exp(random.uniform(np.log(2), np.log(10), count))
@@ -93,7 +94,8 @@ def drawn(count):
     @jax.jit
     @jax.vmap
     def simulated(point, run):
-        return -_residuals(robot, jnp.asarray(INTERVAL), point, run)
+        interval, rubs = jnp.asarray(INTERVAL), drive_friction > 0
+        return -_residuals(robot, interval, point, run, rubbing_drives=rubs)
 
     clean = np.asarray(simulated(jnp.asarray(_encoded(truth)), empty))
     noisy = clean + SIGMA * random.normal(size=clean.shape)
@@ -103,8 +105,9 @@ def drawn(count):
     return robot, runs, truth, truth * 2.0 ** random.choice([-1, 1], size=(count, 4))
 
 
-def test_the_momentum_puts_the_drives_of_a_start_right():
-    robot, runs, truth, starts = drawn(16)
+@pytest.mark.parametrize("drive_friction", [0.0, 0.2])
+def test_the_momentum_puts_the_drives_of_a_start_right(drive_friction):
+    robot, runs, truth, starts = drawn(16, drive_friction)
 
     @jax.jit
     @jax.vmap
@@ -128,9 +131,11 @@ def test_a_run_that_tells_nothing_leaves_its_start_alone():
     np.testing.assert_allclose(found, start, rtol=1e-12)
 
 
+# Where the drives rub as much as the carriages, fewer starts are near enough.
 @pytest.mark.slow
-def test_99_of_100_fits_converge_from_starts_twice_off():
-    robot, runs, truth, starts = drawn(256)
+@pytest.mark.parametrize(("drive_friction", "share"), [(0.0, 0.99), (0.2, 0.95)])
+def test_fits_converge_from_starts_twice_off(drive_friction, share):
+    robot, runs, truth, starts = drawn(256, drive_friction)
     found = estimate_many(robot, runs, starts, interval=INTERVAL)
-    assert np.mean(found.converged) >= 0.99
+    assert np.mean(found.converged) >= share
     assert np.all(np.abs(found.values / truth - 1)[found.converged] < 0.02)
