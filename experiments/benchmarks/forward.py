@@ -23,6 +23,8 @@ CHUNKS = (16, 64, 128, 256)
 """Chunks among which each contender has its fastest."""
 COARSE = {LinearEngine: 2, NonlinearEngine: 4}
 """Fewest steps in an interval of the log that keep the error under 1e-5 m, by engine."""
+RUBBING = {LinearEngine: {"this, drives followed": LinearEngine(PARTS, rubbing_drives=True)}}
+"""Engines that can leave the drives' dry friction out, as they follow it."""
 IMPLICIT_UP_TO = 64
 """Largest batch of the implicit solver, the slowest."""
 
@@ -71,6 +73,7 @@ def _forward(
     contenders = {
         "this": (engine(PARTS), values),
         f"this, {COARSE[engine] / LOG:g} Hz": (engine(COARSE[engine]), values),
+        **{name: (own, values) for name, own in RUBBING.get(engine, {}).items()},
         "this, float32": (engine(PARTS), single),
         "diffrax Tsit5 1e-4": (smooth(diffrax.Tsit5(), 1e-4), values),
         "diffrax Kvaerno5 1e-5": (smooth(diffrax.Kvaerno5(), 1e-5), values),

@@ -22,7 +22,8 @@ T = 350 N and μ = 0.005, each value of μ, J, b and T drawn within ±30 %, 6 V 
 a second and a second of coasting, logged every 25 ms; the engines step at 200 Hz. Times are
 medians of calls that take turns; compilation is apart, setting a run up is included. Ratios are
 within one run. Everything runs on one device; batches go through `jax.lax.map`, forward runs in
-the chunk of 16 to 256 in which each contender is fastest.
+the chunk of 16 to 256 in which each contender is fastest. The drives have no dry friction; the
+nonlinear engine looks for it all the same, the linear one where it says so.
 
 Errors are the largest of a position in up to 16 runs against exact friction (this engine at
 4 kHz, which tests hold to the event-by-event reference); a tilt counts as the way of the
