@@ -38,6 +38,9 @@ three contacts may stop in one instant, three events, and give way again in the 
 LEAST_TO_BEND = 1e-3
 """Share of a step in which a velocity is straight, and only roundings would bend it [1]."""
 
+SOON = 1e-6
+"""Share of the time left in a step within which contacts give way together [1]."""
+
 Pair = tuple[Float[Array, ""], Float[Array, ""]]
 """Of the lower carriage and of the height."""
 Three = tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]
@@ -364,6 +367,11 @@ def _after(
     sides = tuple(s * (1 - e) * (1 - stops) for s, e in zip(was.side, mark, strict=True))
     settled = _decided(Branch(sides, alone, stops), load, contacts)
     given_way = _given_way(was, event, happens=happens, gives_way=gives_way)
+    # From the origin contacts may give way together: which, the load tells a little later.
+    soon = passed + SOON * (1 - begin)
+    left_at_once = _decided(was, tuple(p(soon) for p in motion.load), contacts)
+    together = happens * was.origin * (1 - left_at_once.origin) != 0
+    given_way = _chosen(together, left_at_once, given_way)
     settles = happens * (1 - was.origin) - gives_way != 0
     branch = _once_branch(_chosen(settles, settled, given_way))
     rested = _rests_if_it_turns(branch, velocity, load, happens * (1 - begin), contacts)
