@@ -1,0 +1,72 @@
+"""What an entry point sets up before it computes, and how it shows what it is doing."""
+
+import contextlib
+import os
+import pathlib
+from collections.abc import Callable, Iterator
+
+import jax
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+
+def set_up(*, double: bool = True, all_cores: bool = False) -> None:
+    """Float64, on the CPU, with compiled functions kept from one run to the next.
+
+    Args:
+        double: Whether to compute in float64; fits need it, maps don't.
+        all_cores: Whether each core is a device of its own, for `scdpr_jax.numerics.batches`.
+    """
+    jax.config.update("jax_enable_x64", double)
+    if all_cores:
+        jax.config.update("jax_num_cpu_devices", os.cpu_count() or 1)
+    home = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
+    jax.config.update("jax_compilation_cache_dir", str(pathlib.Path(home) / "scdpr-jax"))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+
+
+@contextlib.contextmanager
+def shown_progress(console: Console) -> Iterator[Callable[[str, float], None]]:
+    """A progress bar with the time left.
+
+    Args:
+        console: Where to show it.
+
+    Yields:
+        What to call with what is being done and which share of it all is done.
+    """
+    with Progress(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=24),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(compact=True, elapsed_when_finished=False),
+        console=console,
+        transient=True,
+    ) as bar:
+        task = bar.add_task("starting", total=1.0)
+        yield lambda doing, share: bar.update(task, description=doing, completed=share)
+
+
+def stage(
+    progress: Callable[[str, float], None], begun: float, ended: float
+) -> Callable[[str, float], None]:
+    """The part of a progress bar that belongs to one stage.
+
+    Args:
+        progress: The whole bar.
+        begun: Share of the whole at which the stage begins.
+        ended: Share at which it ends.
+
+    Returns:
+        What the stage calls with its own share.
+    """
+    return lambda doing, share: progress(doing, begun + (ended - begun) * min(share, 1.0))
