@@ -2,6 +2,8 @@
 
 import sys
 
+from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
+
 VERBS: dict[str, dict[str, str]] = {
     "main": {
         "demo": "the main job on a campaign that it generates itself: truth beside estimate",
@@ -28,8 +30,6 @@ VERBS: dict[str, dict[str, str]] = {
     },
 }
 """Every verb and what it does, by the wing of `experiments.verbs` that it stands in."""
-
-DONE, FELL_SHORT, BAD_INPUT = 0, 1, 2
 
 
 def main(arguments: list[str] | None = None) -> int:

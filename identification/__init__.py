@@ -4,6 +4,7 @@ from identification.axis.drive_axis import DriveAxisEstimate as DriveAxisEstimat
 from identification.axis.drive_axis import estimate_drive_axis as estimate_drive_axis
 from identification.axis.log import AxisLog as AxisLog
 from identification.axis.log import read_axis_log as read_axis_log
+from identification.bring.importers import import_drive_stream as import_drive_stream
 from identification.campaign import Campaign as Campaign
 from identification.campaign import CampaignError as CampaignError
 from identification.campaign import check_campaign as check_campaign

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from experiments.reports.tuning_section import Table as PlainTable
+from experiments.page.table import Table as PlainTable
 
 
 def rich_table(plain_table: PlainTable) -> Table:

@@ -10,7 +10,8 @@ from experiments.figures.tuning.pareto import pareto
 from experiments.page.console_text import print_lines, rich_table
 from experiments.page.number_text import plain, short
 from experiments.page.page import Pictures, page, versions
-from experiments.reports.tuning_section import Table, worst_margins_sentence
+from experiments.page.table import Table
+from experiments.reports.tuning_section import worst_margins_sentence
 from experiments.studies.codesign_run import DESIGNED, CoDesign
 from tuning.codesign import Designed
 from tuning.loop.admissible import PEAK_SENSITIVITY, PHASE_MARGIN

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from experiments.page.number_text import plain, rounded
-from experiments.reports.tuning_section import Table
+from experiments.page.table import Table
 from experiments.reports.verdict import estimated
 from identification.judge.influence import FEWEST, Influence, Interval
 from identification.judge.uncertainty import ParameterEstimate

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from experiments.page.number_text import plain, readable_unit, rounded
-from experiments.reports.tuning_section import Table
+from experiments.page.table import Table
 from identification.fit.unknowns.measured import Measured, deviation
 from identification.result.estimate import Estimate
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from experiments.page.number_text import plain, rounded
-from experiments.reports.tuning_section import Table
+from experiments.page.table import Table
 from identification.checks.posterior import Posterior
 from identification.checks.profile import Profile
 from identification.fit.unknowns.models import Model

@@ -7,7 +7,7 @@ from experiments.figures.tuning.leg import leg
 from experiments.page.console_text import print_lines, rich_table
 from experiments.page.number_text import plain
 from experiments.page.page import Pictures, page, versions
-from experiments.reports.tuning_section import Table
+from experiments.page.table import Table
 from experiments.studies.planned_leg import SETTLED, SIDES, Compared, LegFigures
 from tuning.plan.plan_file import Plan
 

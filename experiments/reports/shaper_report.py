@@ -10,7 +10,7 @@ from experiments.files.spectrum_file import SpectrumFile
 from experiments.page.console_text import print_lines, rich_table
 from experiments.page.number_text import percent, plain
 from experiments.page.page import Pictures, page, versions
-from experiments.reports.tuning_section import Table
+from experiments.page.table import Table
 from scdpr_jax.command.shaper import Shaper
 from tuning.shapers.measures import smoothing
 from tuning.shapers.spectrum import THRESHOLD

@@ -8,12 +8,12 @@ from rich.text import Text
 
 from experiments.page.console_text import print_lines, rich_table
 from experiments.page.number_text import rounded
+from experiments.page.table import Table as PlainTable
 from experiments.reports.drive_report import axis_rows, axis_sentences, law_sentences
 from experiments.reports.influence_section import influence_sentences, influence_tables
 from experiments.reports.measured_section import measured_tables
 from experiments.reports.model_section import model_tables, posterior_table, profile_table
 from experiments.reports.parameter_table import Row, inside, parameter_row
-from experiments.reports.tuning_section import Table as PlainTable
 from experiments.reports.tuning_section import tuning_sentences, tuning_tables
 from experiments.reports.verdict import Words, estimated, words
 from identification.axis.drive_axis import DriveAxisEstimate

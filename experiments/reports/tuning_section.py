@@ -12,6 +12,7 @@ from experiments.figures.tuning.shaper_response import NamedShaper, shaper_respo
 from experiments.figures.tuning.tracking import tracking
 from experiments.page.number_text import capitalised, percent, plain, short
 from experiments.page.page import Picture, Pictures
+from experiments.page.table import Table
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot
 from tuning.loop.plant import MotorPlant
@@ -34,17 +35,6 @@ _NO_MORE = 0.01
 
 DELAY = 1
 """Samples from a measurement to its command that the margins are given for."""
-
-
-class Table(NamedTuple):
-    """A table of a report, its numbers as they are printed."""
-
-    title: str
-    """What it is about."""
-    header: tuple[str, ...]
-    """Names of the columns."""
-    rows: tuple[tuple[str, ...], ...]
-    """The lines."""
 
 
 class TuningSection(NamedTuple):

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from experiments.files.parameters_file import FittedRobot
+from experiments.runtime import stage
 from experiments.studies.posterior import draw
-from experiments.verbs.runtime import stage
 from tuning.codesign import (
     Designed,
     Models,

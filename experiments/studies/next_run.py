@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from experiments.page.number_text import percent, plain
-from experiments.reports.tuning_section import Table
+from experiments.page.table import Table
 from identification.judge.uncertainty import half_width
 from identification.next_run.excitation import KNOCK_TIME, REST, STEP
 from identification.next_run.expected_information import Rig, motion

@@ -9,7 +9,7 @@ import numpy as np
 
 from experiments.files.parameters_file import write_parameters
 from experiments.reports.report import write_report
-from experiments.verbs.runtime import stage
+from experiments.runtime import stage
 from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured

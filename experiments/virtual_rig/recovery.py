@@ -256,7 +256,7 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
     chosen = parser.parse_args()
-    from experiments.verbs.runtime import set_up
+    from experiments.runtime import set_up
 
     set_up()
     done: list[Outcome] = []

@@ -1,6 +1,5 @@
-"""Logged runs, format 1: read, check, write and import."""
+"""Logged runs, format 1: read, check and write."""
 
-from identification.bring.importers import import_drive_stream as import_drive_stream
 from identification.campaign.check import Check as Check
 from identification.campaign.check import RunSummary as RunSummary
 from identification.campaign.check import check_campaign as check_campaign

@@ -54,7 +54,7 @@ def main(name: str) -> None:
     Args:
         name: "linear" or "nonlinear".
     """
-    from experiments.verbs.runtime import set_up
+    from experiments.runtime import set_up
 
     set_up()
     import jax

@@ -2,8 +2,8 @@
 
 import pathlib
 
-from experiments.cli import DONE
 from experiments.verbs.console import OUT, Folder, suggest, wrote
+from experiments.verbs.exit_status import DONE
 from experiments.verbs.places import require_outside
 
 

@@ -2,10 +2,10 @@
 
 import pathlib
 
-from experiments.cli import DONE
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.exit_status import DONE
 from experiments.verbs.places import require_outside
-from experiments.verbs.runtime import set_up, shown_progress
 
 
 def identify(

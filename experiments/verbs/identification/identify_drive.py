@@ -2,9 +2,9 @@
 
 import pathlib
 
-from experiments.cli import DONE, FELL_SHORT
+from experiments.runtime import set_up
 from experiments.verbs.console import ERRORS, OUT, Folder, wrote
-from experiments.verbs.runtime import set_up
+from experiments.verbs.exit_status import DONE, FELL_SHORT
 
 
 def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: int = 0) -> int:

@@ -1,7 +1,7 @@
 """`scdpr check`: the log doctor."""
 
-from experiments.cli import BAD_INPUT, DONE
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest
+from experiments.verbs.exit_status import BAD_INPUT, DONE
 
 
 def check(campaign: Folder, /) -> int:

@@ -2,9 +2,9 @@
 
 import pathlib
 
-from experiments.cli import DONE, FELL_SHORT
+from experiments.runtime import set_up, shown_progress, stage
 from experiments.verbs.console import ERRORS, OUT, suggest, wrote
-from experiments.verbs.runtime import set_up, shown_progress, stage
+from experiments.verbs.exit_status import DONE, FELL_SHORT
 
 
 def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:

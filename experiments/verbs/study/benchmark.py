@@ -3,9 +3,9 @@
 import pathlib
 from typing import Literal
 
-from experiments.cli import DONE
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, wrote
-from experiments.verbs.runtime import set_up, shown_progress
+from experiments.verbs.exit_status import DONE
 
 Row = Literal[
     "forward-linear",

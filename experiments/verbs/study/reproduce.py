@@ -5,9 +5,9 @@ from typing import Annotated
 
 import tyro
 
-from experiments.cli import DONE, FELL_SHORT
+from experiments.runtime import set_up, shown_progress, stage
 from experiments.verbs.console import ERRORS, OUT, wrote
-from experiments.verbs.runtime import set_up, shown_progress, stage
+from experiments.verbs.exit_status import DONE, FELL_SHORT
 
 
 def reproduce(

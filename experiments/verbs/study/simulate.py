@@ -2,9 +2,9 @@
 
 import pathlib
 
-from experiments.cli import DONE
+from experiments.runtime import set_up
 from experiments.verbs.console import ERRORS, OUT, wrote
-from experiments.verbs.runtime import set_up
+from experiments.verbs.exit_status import DONE
 
 
 def simulate(

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from experiments.cli import DONE, FELL_SHORT
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, suggest, wrote
-from experiments.verbs.runtime import set_up, shown_progress
+from experiments.verbs.exit_status import DONE, FELL_SHORT
 
 if TYPE_CHECKING:
     from scdpr_jax.robot.parameters import Robot

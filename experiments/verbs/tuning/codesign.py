@@ -2,9 +2,9 @@
 
 import pathlib
 
-from experiments.cli import DONE, FELL_SHORT
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
-from experiments.verbs.runtime import set_up, shown_progress
+from experiments.verbs.exit_status import DONE, FELL_SHORT
 
 
 def codesign(

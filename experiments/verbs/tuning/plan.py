@@ -5,9 +5,9 @@ from typing import Annotated
 
 import tyro
 
-from experiments.cli import DONE
+from experiments.runtime import set_up, shown_progress, stage
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
-from experiments.verbs.runtime import set_up, shown_progress, stage
+from experiments.verbs.exit_status import DONE
 
 
 def plan(

@@ -2,9 +2,9 @@
 
 import pathlib
 
-from experiments.cli import DONE
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, plan_call, suggest, wrote
-from experiments.verbs.runtime import set_up, shown_progress
+from experiments.verbs.exit_status import DONE
 
 
 def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path) -> int:

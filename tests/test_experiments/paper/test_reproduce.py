@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from experiments.cli import BAD_INPUT, main
+from experiments.cli import main
 from experiments.paper import report
 from experiments.paper.catalogue import SECTIONS, chosen
 from experiments.paper.claim import Claim, Verdict, at_least, at_most, digits, within
@@ -20,6 +20,7 @@ from experiments.paper.topics.explanation.numbers import (
     Hypothesis,
     explanations,
 )
+from experiments.verbs.exit_status import BAD_INPUT
 from scdpr_jax.linear.modes import BOTH_HELD, PRINTED
 
 ROOT = pathlib.Path(__file__).parents[3]

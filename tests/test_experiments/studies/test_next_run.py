@@ -16,6 +16,7 @@ from experiments.studies.next_run import (
     instructions,
     voltage_table,
 )
+from experiments.verbs.exit_status import BAD_INPUT
 from identification.next_run.excitation import Excitation
 from identification.next_run.next_experiment import Candidate
 
@@ -182,6 +183,6 @@ def test_bad_input_is_one_clear_message(tmp_path, capsys, changed, told):
     path.write_text(json.dumps(document()))
     assert read_parameters(path).settings == ("350 N",)
     given = ["design", str(path), "--out", str(tmp_path / "next.csv"), *changed]
-    assert cli.main(given) == cli.BAD_INPUT
+    assert cli.main(given) == BAD_INPUT
     assert told in capsys.readouterr().err
     assert not (tmp_path / "next.csv").exists()
