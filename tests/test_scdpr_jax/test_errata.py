@@ -271,7 +271,7 @@ def test_every_test_that_the_errata_name_exists():
     text = (ROOT / "docs" / "errata.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`(test_\w+)\.py::(test_\w+)`", text))
     sources = {
-        path.stem: path.read_text(encoding="utf-8") for path in ROOT.glob("tests/*/*.py")
+        path.stem: path.read_text(encoding="utf-8") for path in ROOT.glob("tests/**/test_*.py")
     }
     missing = [
         f"{module}::{test}"
