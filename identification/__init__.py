@@ -26,4 +26,4 @@ from identification.knocks.frequency_map import write_frequencies as write_frequ
 from identification.knocks.ring_down import RingDown as RingDown
 from identification.knocks.ring_down import ring_down as ring_down
 from identification.result.estimate import Estimate as Estimate
-from identification.result.estimate import estimate as estimate
+from identification.result.estimation import estimate as estimate

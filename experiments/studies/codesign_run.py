@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from experiments.files.parameters_file import FittedRobot
 from experiments.runtime import stage
 from experiments.studies.posterior import draw
+from identification.result.fitted_robot import FittedRobot
 from tuning.codesign import (
     Designed,
     Models,
@@ -172,10 +172,9 @@ def design(
 
 def _fitted(fitted: FittedRobot, settings: tuple[float, ...]) -> tuple[FittedSetting, ...]:
     """The fitted robot itself at every setting: a sample without errors."""
-    certain = fitted.model_copy(
-        update={
-            "parameters": [row.model_copy(update={"sigma": 0.0}) for row in fitted.parameters]
-        }
+    certain = dataclasses.replace(
+        fitted,
+        parameters=tuple(dataclasses.replace(row, sigma=0.0) for row in fitted.parameters),
     )
     robots = draw(certain, settings, count=1, seed=0)
     return tuple(FittedSetting(s, robot) for s, robot in zip(settings, robots, strict=True))

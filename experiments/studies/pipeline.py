@@ -7,14 +7,16 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from experiments.files.parameters_file import write_parameters
 from experiments.reports.report import write_report
 from experiments.runtime import stage
 from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured
+from identification.fit.unknowns.options import DEFAULT_FREE, FitOptions
 from identification.knocks.frequency_map import FrequencyMap, frequency_map, write_frequencies
-from identification.result.estimate import Estimate, estimate
+from identification.result.estimate import Estimate
+from identification.result.estimation import estimate
+from identification.result.parameters_file import write_parameters
 from scdpr_jax.robot.prototype import consistent
 from tuning.export import write_exports
 from tuning.gains.optimise import LEG_TIMES, Effort
@@ -101,16 +103,14 @@ def calibrate(
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
         compiled = aside.submit(prepare, consistent(), leg_times=leg_times, effort=effort)
-        known = {
-            "hold_out": names,
-            "measured": measured,
-            "clock_drifts": clock_drifts,
-            "progress": stage(progress, 0.02, 0.7),
-        }
-        if free is None:
-            found = select(campaign, **known)
-        else:
-            found = estimate(campaign, free=free, **known)
+        options = FitOptions(
+            free=DEFAULT_FREE if free is None else free,
+            hold_out=names,
+            measured=measured,
+            clock_drifts=clock_drifts,
+        )
+        fit = select if free is None else estimate
+        found = fit(campaign, options, progress=stage(progress, 0.02, 0.7))
         compiled.result()
     progress("ring-downs", 0.7)
     notes = _notes(campaign, found)

@@ -3,9 +3,10 @@
 import numpy as np
 from jaxtyping import Float
 
-from experiments.files.parameters_file import FittedRobot
 from identification.campaign.quantities import parse_quantity
 from identification.fit.unknowns.unknowns import PER_SETTING
+from identification.judge.uncertainty import ParameterEstimate
+from identification.result.fitted_robot import FittedRobot
 from scdpr_jax.robot.parameters import EVERY_QUANTITY, Robot, quantity, replace
 
 
@@ -30,13 +31,13 @@ def draw(
     """
     known = {one.name for one in EVERY_QUANTITY}
     rows = [row for row in fitted.parameters if row.name in known]
-    names = [row.name if row.setting is None else f"{row.name} {row.setting}" for row in rows]
+    names = [row.label for row in rows]
     random = np.random.default_rng(seed)
     errors = _errors(fitted, names, random, count)
     robots = []
     for sample in errors:
         values = {
-            (row.name, row.setting): _moved(row.name, row.value, (row.sigma or 0.0) * error)
+            (row.name, row.setting): _moved(row.name, row.value, _sigma(row) * error)
             for row, error in zip(rows, sample, strict=True)
         }
         common = replace(
@@ -68,14 +69,19 @@ def _errors(
     """Errors in standard errors: correlated where the fit says so."""
     matrix = np.eye(len(names))
     if fitted.correlation is not None:
-        order = [names.index(n) for n in fitted.correlation.names if n in names]
-        kept = [k for k, n in enumerate(fitted.correlation.names) if n in names]
-        own = np.asarray(fitted.correlation.matrix)[np.ix_(kept, kept)]
-        matrix[np.ix_(order, order)] = own
+        labels = [row.label for row in fitted.estimated]
+        order = [names.index(label) for label in labels if label in names]
+        kept = [k for k, label in enumerate(labels) if label in names]
+        matrix[np.ix_(order, order)] = fitted.correlation[np.ix_(kept, kept)]
     # Correlations that a file rounds may miss being positive by as much.
     values, vectors = np.linalg.eigh(matrix)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     return random.standard_normal((count, len(names))) @ root.T
+
+
+def _sigma(row: ParameterEstimate) -> float:
+    """Standard error of a quantity, 0 where it isn't known [SI]."""
+    return row.sigma if np.isfinite(row.sigma) else 0.0
 
 
 def _moved(name: str, value: float, error: float) -> float:

@@ -23,7 +23,8 @@ from experiments.virtual_rig.rig import COUNTS_PER_REV, Truth
 from identification.axis.motion import AxisParameters, axis_positions
 from identification.campaign import CameraStream, Campaign, DriveStream, Knock, Run
 from identification.campaign.types import default_sensors, encoder_resolution
-from identification.result.estimate import Estimate, estimate
+from identification.result.estimate import Estimate
+from identification.result.estimation import estimate
 from scdpr_jax.engines.closed_loop import pulley_angles
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate
 from scdpr_jax.robot.drive import motor_torque

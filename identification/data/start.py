@@ -1,7 +1,7 @@
 """Clocks and start poses of runs, from the logs alone."""
 
+import dataclasses
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -32,7 +32,8 @@ depends on it.
 """
 
 
-class Start(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Start:
     """What is known of where a run starts."""
 
     position: Float[np.ndarray, "3"]
@@ -106,7 +107,8 @@ def _seen_at_rest(run: Run, offset: float, sensors: Sensors) -> Start | None:
     )
 
 
-class Clock(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Clock:
     """What is known of the camera's clock in a run."""
 
     offset: float

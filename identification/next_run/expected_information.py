@@ -15,9 +15,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from identification.campaign.types import Sensors
+from identification.data.circumstances import MOVING, NAMES, START, Circumstances, Prior
 from identification.data.record import Record
 from identification.data.start import USUAL_ARM
-from identification.fit.residuals import Circumstances, encoder_residuals, frames, move
+from identification.fit.residuals import encoder_residuals, frames, move
 from identification.fit.unknowns.unknowns import apply
 from identification.next_run.excitation import KNOCK_TIME, REST, STEP
 from scdpr_jax.engines.stepping import Inputs
@@ -33,12 +34,6 @@ MARGIN = 0.1
 
 KNOCK_SPREAD = 0.3
 """Standard deviation of a knock's force over what was asked for [1]."""
-
-ON_TIME = (0.0, 0.0)
-"""Offset and drift of a camera's clock that runs with the drives' [s, 1]."""
-
-_OWN = 5
-"""What isn't known of a run: its start's three coordinates, its knock's force and arm."""
 
 
 class Rig(eqx.Module):
@@ -149,7 +144,7 @@ def expected(rig: Rig, run: PlannedRun, truth: Float[Array, " n"]) -> Expected:
     Returns:
         Covariance and excursion.
     """
-    begun = jnp.eye(rig.point.size + _OWN, dtype=truth.dtype)
+    begun = jnp.eye(rig.point.size + len(NAMES[MOVING]), dtype=truth.dtype)
 
     def again(units: Float[Array, "m m"], _: None) -> tuple[Array, Array]:
         return expected_over(rig, run, truth, jnp.linalg.cholesky(units))
@@ -174,13 +169,13 @@ def expected_over(
         Covariance and excursion.
     """
     record, count = _record(rig, run), truth.size
-    own = jnp.concatenate([run.start[:1], run.start, run.knock[None], jnp.zeros(1)])
-    uncertain = jnp.stack([KNOCK_SPREAD * run.knock, jnp.asarray(USUAL_ARM)])
-    known = jnp.concatenate([1 / record.known_weight[:3], uncertain])
+    planned = _circumstances(run).vector
+    knock_sigma = jnp.stack([KNOCK_SPREAD * run.knock, jnp.asarray(USUAL_ARM)])
+    sigma = jnp.concatenate([1 / record.prior.weight[START], knock_sigma])
 
     def moved(unit: Float[Array, " m"]) -> tuple[State, Array, Array]:
         quantities = rig.bounded(truth + rig.root @ unit[:count])
-        circumstances = Circumstances(*(own + known * unit[count:]), *ON_TIME)
+        circumstances = Circumstances.of(planned.at[MOVING].add(sigma * unit[count:]))
         motion = move(apply(rig.robot, rig.names, quantities), circumstances, record)
         return motion.states, motion.angle, frames(motion, circumstances, record)
 
@@ -191,7 +186,7 @@ def expected_over(
     def secants(of: Float[Array, "points rows n"]) -> Float[Array, "m rows n"]:
         return (of[1 : len(over) + 1] - of[len(over) + 1 :]) / 2
 
-    turned = jax.vmap(lambda own: encoder_residuals(own, weight))(secants(angle))
+    turned = jax.vmap(lambda difference: encoder_residuals(difference, weight))(secants(angle))
     seen = record.frame_weight[None] * secants(frame)
     rows = jnp.concatenate([part.reshape(len(over), -1) for part in (turned, seen)], axis=1)
     whole = over @ jnp.linalg.inv(over.T @ over + rows @ rows.T) @ over.T
@@ -220,8 +215,24 @@ def _record(rig: Rig, run: PlannedRun) -> Record:
         frame_time=stamps,
         frame=jnp.zeros((stamps.size, 5)),
         frame_weight=jnp.where(seen[:, None], 1 / rig.camera_sigma[None], 0.0),
-        known=jnp.zeros(6),
-        known_weight=jnp.full(6, jnp.sqrt(REST * FRAME_RATE)) / rig.camera_sigma[0],
+        prior=Prior(
+            jnp.zeros(len(NAMES)),
+            jnp.full(len(NAMES), jnp.sqrt(REST * FRAME_RATE)) / rig.camera_sigma[0],
+        ),
+    )
+
+
+def _circumstances(run: PlannedRun) -> Circumstances:
+    """The circumstances of a run as it is planned, its camera's clock the drives' own."""
+    x, y = run.start
+    return Circumstances(
+        lower=x,
+        upper=x,
+        height=y,
+        knock=run.knock,
+        knock_arm=0.0,
+        clock_offset=0.0,
+        clock_drift=0.0,
     )
 
 
@@ -278,7 +289,5 @@ def motion(rig: Rig, run: PlannedRun) -> State:
     Returns:
         States at the ends of the run's intervals.
     """
-    x, y = run.start
-    own = Circumstances(x, x, y, run.knock, 0.0, *ON_TIME)
     robot = apply(rig.robot, rig.names, rig.point)
-    return move(robot, own, _record(rig, run)).states
+    return move(robot, _circumstances(run), _record(rig, run)).states

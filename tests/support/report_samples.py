@@ -4,8 +4,8 @@ import numpy as np
 
 from identification.campaign.faults import Fault
 from identification.campaign.types import CameraStream, Campaign, DriveStream, Knock, Run
+from identification.data.circumstances import Circumstances
 from identification.fit.comparison import Channel, Comparison
-from identification.fit.residuals import Circumstances
 from identification.fit.starts import Valley
 from identification.fit.unknowns.models import Model
 from identification.judge.identifiability import Combination, Identifiability
@@ -13,6 +13,7 @@ from identification.judge.influence import Influence
 from identification.judge.uncertainty import ParameterEstimate
 from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate, Fit
+from identification.result.fitted_robot import FittedRobot
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.robot.prototype import consistent
@@ -229,9 +230,11 @@ def estimate(*, off=0.0, held_out=True, parameters=None, models=()):
     parameters = estimated_parameters() if parameters is None else parameters
     fixed = parameter("frame_width", 2.224, 0.0, unit="m", status="fixed")
     return Estimate(
-        robot=consistent(),
-        parameters=(*parameters, fixed),
-        correlation=np.array([[1.0, 0.1, -0.97], [0.1, 1.0, 0.2], [-0.97, 0.2, 1.0]]),
+        fitted=FittedRobot(
+            robot=consistent(),
+            parameters=(*parameters, fixed),
+            correlation=np.array([[1.0, 0.1, -0.97], [0.1, 1.0, 0.2], [-0.97, 0.2, 1.0]]),
+        ),
         circumstances={"0001-manoeuvre": Circumstances(0.9, 0.9, 0.5, 0.0, 0.0, 0.0123, 0.0)},
         comparisons=(
             comparison("0001-manoeuvre", off=off),

@@ -42,13 +42,13 @@ def design(
     import jax
 
     from experiments.figures.identification.next_run import next_run_figure
-    from experiments.files.parameters_file import read_parameters
     from experiments.page.console_text import print_lines, rich_table
     from experiments.studies import next_run
     from experiments.studies.known_rig import caution, known_rig, poses
     from identification.campaign.quantities import parse_quantity
     from identification.next_run.excitation import catalogue
     from identification.next_run.next_experiment import propose
+    from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import whole_file, write_whole
     from scdpr_jax.robot.parameters import value
 

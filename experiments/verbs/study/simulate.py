@@ -28,9 +28,9 @@ def simulate(
     set_up()
     import numpy as np
 
-    from experiments.files.parameters_file import read_parameters
     from experiments.studies import simulated_run
     from identification.campaign.quantities import parse_quantity
+    from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import write_whole
     from tuning.result.document import read_tuning
 

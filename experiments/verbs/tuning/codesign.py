@@ -37,11 +37,11 @@ def codesign(
     """
     set_up()
     from experiments.files.codesign_file import codesign_document
-    from experiments.files.parameters_file import read_parameters
     from experiments.reports import codesign_report
     from experiments.studies.codesign_run import Asked, design, parse_grid
     from experiments.studies.posterior import nominal_settings
     from identification.campaign.quantities import parse_quantity
+    from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import write_whole
 
     fitted = read_parameters(parameters)

@@ -17,10 +17,10 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
             and for MATLAB.
     """
     set_up()
-    from experiments.files.parameters_file import read_parameters
     from experiments.reports import summary
     from experiments.studies.pipeline import write_tuned
     from identification.knocks.frequency_map import read_frequencies
+    from identification.result.parameters_file import read_parameters
     from tuning.gains.tune import tune as design
 
     fitted = read_parameters(parameters)

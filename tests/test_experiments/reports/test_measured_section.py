@@ -4,9 +4,10 @@ import json
 import pytest
 from report_samples import estimate
 
-from experiments.files.parameters_file import read_parameters, write_parameters
 from experiments.reports.measured_section import contradictions, measured_tables
-from identification.fit.unknowns.measured import MeasuredQuantity, deviation
+from identification.fit.unknowns.measured import MeasuredFit, MeasuredQuantity
+from identification.fit.unknowns.options import FitOptions
+from identification.result.parameters_file import read_parameters, write_parameters
 from scdpr_jax.robot.parameters import value
 
 OWN = float(value(estimate().robot, "end_effector_mass"))
@@ -15,7 +16,7 @@ OWN = float(value(estimate().robot, "end_effector_mass"))
 def measured(*, off):
     """A weighing that is some standard errors below what the fit has."""
     weighed = MeasuredQuantity(quantity="end_effector_mass", value=OWN - 0.01 * off, sigma=0.01)
-    return dataclasses.replace(estimate(), measured=(weighed,))
+    return dataclasses.replace(estimate(), options=FitOptions(measured=[weighed]))
 
 
 def test_what_was_measured_otherwise_stands_beside_the_fit():
@@ -39,4 +40,5 @@ def test_the_file_holds_it_and_is_read_as_before(tmp_path):
     (row,) = json.loads(path.read_text())["measured_otherwise"]
     assert row["name"] == "end_effector_mass"
     assert row["fitted"] == pytest.approx(row["value"] + 2 * row["sigma"])
-    assert deviation(found.measured[0], read_parameters(path).robot) == pytest.approx(2.0)
+    fit = MeasuredFit.of(found.measured[0], read_parameters(path).robot)
+    assert fit.deviation == pytest.approx(2.0)

@@ -14,6 +14,7 @@ from experiments.reports.verdict import (
     predictions,
     words,
 )
+from identification.fit.unknowns.options import FitOptions
 
 
 def said(found, **changes):
@@ -65,12 +66,14 @@ def test_many_clocks_are_told_as_a_range():
 
 @pytest.mark.parametrize("drifts", [False, True])
 def test_without_a_run_with_the_cable_on_no_clock_is_told(drifts):
-    drives = dataclasses.replace(estimate(), circumstances={}, clock_drifts=drifts)
+    drives = dataclasses.replace(
+        estimate(), circumstances={}, options=FitOptions(clock_drifts=drifts)
+    )
     assert not any("clock" in line for line in said(drives).sure)
 
 
 def test_drifting_clocks_are_told_as_a_range():
-    told = said(dataclasses.replace(estimate(), clock_drifts=True)).sure
+    told = said(dataclasses.replace(estimate(), options=FitOptions(clock_drifts=True))).sure
     assert any("run 0 to 0 ppm faster than the drives'" in line for line in told)
 
 

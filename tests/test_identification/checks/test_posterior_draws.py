@@ -12,7 +12,8 @@ from experiments.virtual_rig.recovery import campaign, draw
 from identification.checks import posterior as module
 from identification.checks.posterior import posterior, require_numpyro
 from identification.fit.unknowns.measured import MeasuredQuantity
-from identification.result.estimate import estimate, solved
+from identification.fit.unknowns.options import FitOptions
+from identification.result.estimation import estimate, solved
 from scdpr_jax.robot.parameters import replace
 
 FREE = ("drive_inertia", "drive_damping", "drive_friction")
@@ -29,7 +30,7 @@ def logs():
 @pytest.fixture(scope="module")
 def found(logs):
     damping = MeasuredQuantity(quantity="drive_damping", value=0.2636, sigma=1e-4)
-    return estimate(logs, free=FREE, measured=[damping])
+    return estimate(logs, FitOptions(free=FREE, measured=[damping]))
 
 
 @pytest.fixture(scope="module")

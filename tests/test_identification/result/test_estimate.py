@@ -10,12 +10,14 @@ import pytest
 
 from experiments.virtual_rig import rig
 from experiments.virtual_rig.recovery import DRAWN
+from identification.data.circumstances import START
 from identification.data.record import stacked
 from identification.data.start import Clock
-from identification.fit.accumulate import residuals_and_jacobian, run_residuals
+from identification.fit.run_sums import residuals_and_jacobian, run_residuals
 from identification.fit.unknowns.measured import MeasuredQuantity
+from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import encode
-from identification.result.estimate import estimate
+from identification.result.estimation import estimate
 from scdpr_jax.robot.prototype import consistent
 
 RUNS = ("0001-torque-step", "0003-torque-step", "0008-pseudo-impulse", "0013-motor-step")
@@ -44,7 +46,7 @@ def campaign(truth):
 
 @pytest.fixture(scope="module")
 def found(campaign):
-    return estimate(campaign, hold_out=[HELD_OUT])
+    return estimate(campaign, FitOptions(hold_out=[HELD_OUT]))
 
 
 @pytest.mark.parametrize("name", DRAWN)
@@ -105,7 +107,7 @@ def test_a_drifting_clock_is_found_and_would_be_taken_for_a_robot(campaign, trut
         return dataclasses.replace(run, camera=dataclasses.replace(run.camera, time=time))
 
     logs = dataclasses.replace(campaign, runs=tuple(map(drifting, campaign.runs)))
-    found = estimate(logs, hold_out=[HELD_OUT], clock_drifts=True)
+    found = estimate(logs, FitOptions(hold_out=[HELD_OUT], clock_drifts=True))
     drifts = [float(found.circumstances[name].clock_drift) for name in RUNS[:2]]
     np.testing.assert_allclose(drifts, drift, atol=0.15 * drift)
     assert all(channel.is_noise for run in found.comparisons for channel in run.channels)
@@ -113,7 +115,7 @@ def test_a_drifting_clock_is_found_and_would_be_taken_for_a_robot(campaign, trut
         (parameter,) = (p for p in found.parameters if p.name == name)
         low, high = parameter.interval(0.997)
         assert low <= truth.values[name] <= high
-    ignored = estimate(logs, hold_out=[HELD_OUT])
+    ignored = estimate(logs, FitOptions(hold_out=[HELD_OUT]))
     assert not all(channel.is_noise for run in ignored.comparisons for channel in run.channels)
 
 
@@ -125,7 +127,7 @@ def test_what_was_measured_otherwise_weighs_by_its_error(campaign, found):
     other = MeasuredQuantity(
         quantity=name, value=logged.value + logged.sigma, sigma=1.5 * logged.sigma
     )
-    both = estimate(campaign, hold_out=[HELD_OUT], measured=[other])
+    both = estimate(campaign, FitOptions(hold_out=[HELD_OUT], measured=[other]))
     (joint,) = (p for p in both.parameters if p.name == name)
     weights = np.array([1.0, 1 / 1.5**2])
     assert joint.sigma == pytest.approx(logged.sigma / np.sqrt(weights.sum()), rel=0.01)
@@ -148,7 +150,7 @@ def test_jacobians_agree_with_differences(campaign, truth):
         stacked([run], [Clock(0.0, 0.0)], campaign.sensors, height=1.112),
     )
     free = [encode(name, truth.values[name]) for name in DRAWN]
-    point = jnp.array([*free, *record.known[:3], -40.0, 0.01, 0.0, 0.0])
+    point = jnp.array([*free, *record.prior.mean[START], -40.0, 0.01, 0.0, 0.0])
     robot = consistent()
 
     def frames(x):

@@ -1,7 +1,9 @@
-"""Normal equations of a campaign: residuals, forward-mode Jacobians and their sums.
+"""What each run adds to the normal equations: residuals, forward-mode Jacobians, their sums.
 
-A campaign's runs are simulated together by one compiled function; the Jacobian has a
-column for each free quantity and for each of the run's own circumstances.
+A run's Jacobian has thousands of rows and some ten columns, one for each free quantity and for
+each of the run's circumstances: forward mode makes it along the simulation, without keeping the
+simulation, and only its sums are carried out. Reverse mode would keep every step of every
+contact. Runs are simulated together by one compiled function.
 """
 
 from collections.abc import Mapping
@@ -14,18 +16,18 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from identification.axis.motion import AxisParameters, axis_positions
+from identification.data.circumstances import MOVING, Circumstances
 from identification.data.record import MotorRecord, Record
 from identification.fit.levenberg_marquardt import Normal
 from identification.fit.misfit import channel_misfit
 from identification.fit.residuals import (
-    Circumstances,
     Motion,
     Residuals,
     encoder_residuals,
-    move,
     residuals,
+    run_motion,
 )
-from identification.fit.unknowns.unknowns import CLOCK, Unknowns, apply
+from identification.fit.unknowns.unknowns import Unknowns, apply
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.parameters import Drive, Robot
 
@@ -46,22 +48,23 @@ class RunSums(NamedTuple):
     """Jacobian transposed times residuals, with what is known before."""
     scores: Float[Array, "blocks n"]
     """The gradient's parts from `BLOCKS` stretches of time."""
-    known_cost: Float[Array, ""]
-    """Misfit of what is known before."""
-    known: Float[Array, "n n"]
-    """Information of what is known before."""
+    prior_cost: Float[Array, ""]
+    """Misfit of what is known of the run's circumstances before."""
+    prior_information: Float[Array, "n n"]
+    """Information of that."""
     residuals: Residuals | Float[Array, "rows 2"]
     """The residuals themselves."""
 
     @property
     def total(self) -> float:
         """The misfit of everything."""
-        return float(self.cost.sum() + self.known_cost)
+        return float(self.cost.sum() + self.prior_cost)
 
     @property
     def matrix(self) -> Float[Array | np.ndarray, "n n"]:
         """The Gauss-Newton matrix."""
-        return (self.weight[:, None, None] * self.information).sum(axis=0) + self.known
+        channels = (self.weight[:, None, None] * self.information).sum(axis=0)
+        return channels + self.prior_information
 
 
 def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
@@ -113,9 +116,8 @@ def run_residuals(
     Returns:
         The residuals.
     """
-    own = Circumstances(*unknown[len(free) :])
-    motion = move(apply(robot, free, unknown[: len(free)]), own, record)
-    return residuals(motion, own, record)
+    motion, circumstances = run_motion(robot, free, unknown, record)
+    return residuals(motion, circumstances, record)
 
 
 @eqx.filter_jit
@@ -139,9 +141,9 @@ def run_sums(
         Each lane's sums.
     """
 
-    def one(unknown: Float[Array, " n"], number: Int[Array, ""]) -> RunSums:
+    def sums(unknown: Float[Array, " n"], number: Int[Array, ""]) -> RunSums:
         record = jax.tree.map(lambda leaf: leaf[number], records)
-        found, jacobian = residuals_and_jacobian(robot, free, unknown, record)
+        residual, jacobian = residuals_and_jacobian(robot, free, unknown, record)
         end = jnp.sum(record.inputs.duration)
         when = jnp.concatenate([jnp.zeros(1), jnp.cumsum(record.inputs.duration)])
 
@@ -150,21 +152,21 @@ def run_sums(
 
         rows = jnp.sum(record.angle_share, axis=0)
         frames = jnp.sum(record.frame_weight > 0, axis=0)
-        encoders = _channel_sums(found.angle, jacobian.angle, rows, stretch(when), end)
+        encoders = _channel_sums(residual.angle, jacobian.angle, rows, stretch(when), end)
         camera = _channel_sums(
-            found.frame, jacobian.frame, frames, stretch(record.frame_time), end
+            residual.frame, jacobian.frame, frames, stretch(record.frame_time), end
         )
-        pull = found.known @ jacobian.known
+        pull = residual.prior @ jacobian.prior
         return RunSums(
             *(jnp.concatenate(pair) for pair in zip(encoders[:3], camera[:3], strict=True)),
             gradient=jnp.sum(encoders.scores + camera.scores, axis=0) + pull,
             scores=(encoders.scores + camera.scores).at[0].add(pull),
-            known_cost=jnp.sum(jnp.square(found.known)),
-            known=jacobian.known.T @ jacobian.known,
-            residuals=found,
+            prior_cost=jnp.sum(jnp.square(residual.prior)),
+            prior_information=jacobian.prior.T @ jacobian.prior,
+            residuals=residual,
         )
 
-    return jax.vmap(one)(unknowns, run)
+    return jax.vmap(sums)(unknowns, run)
 
 
 def residuals_and_jacobian(
@@ -183,21 +185,23 @@ def residuals_and_jacobian(
     Returns:
         The residuals, and the same with a last axis for their derivatives.
     """
-    moving, clock = unknown[:-CLOCK], unknown[-CLOCK:]
+    count = len(free)
+    moving, clock = jnp.split(unknown, [count + MOVING.stop])
 
-    def moved(x: Float[Array, " moving"]) -> tuple[Residuals, tuple[Residuals, Motion]]:
-        own = Circumstances(*x[len(free) :], *clock)
-        motion = move(apply(robot, free, x[: len(free)]), own, record)
-        found = residuals(motion, own, record)
-        return found, (found, motion)
+    def of_moving(x: Float[Array, " moving"]) -> tuple[Residuals, tuple[Residuals, Motion]]:
+        motion, circumstances = run_motion(robot, free, jnp.concatenate([x, clock]), record)
+        residual = residuals(motion, circumstances, record)
+        return residual, (residual, motion)
 
-    by_moving, (found, motion) = jax.jacfwd(moved, has_aux=True)(moving)
+    by_moving, (residual, motion) = jax.jacfwd(of_moving, has_aux=True)(moving)
 
-    def ticked(x: Float[Array, " clock"]) -> Residuals:
-        return residuals(motion, Circumstances(*moving[len(free) :], *x), record)
+    def of_clock(x: Float[Array, " clock"]) -> Residuals:
+        circumstances = Circumstances.of(jnp.concatenate([moving[count:], x]))
+        return residuals(motion, circumstances, record)
 
-    by_clock = jax.jacfwd(ticked)(clock)
-    return found, jax.tree.map(lambda *of: jnp.concatenate(of, axis=-1), by_moving, by_clock)
+    by_clock = jax.jacfwd(of_clock)(clock)
+    jacobian = jax.tree.map(lambda *of: jnp.concatenate(of, axis=-1), by_moving, by_clock)
+    return residual, jacobian
 
 
 @eqx.filter_jit
@@ -216,28 +220,27 @@ def motor_sums(
         Each run's sums.
     """
 
-    def one(unknown: Float[Array, " n"], record: MotorRecord) -> RunSums:
+    def sums(unknown: Float[Array, " n"], record: MotorRecord) -> RunSums:
         def both(
             x: Float[Array, " n"],
         ) -> tuple[Float[Array, "rows 2"], Float[Array, "rows 2"]]:
-            found = motor_residuals(apply(robot, free, x).drive, record)
-            return found, found
+            residual = motor_residuals(apply(robot, free, x).drive, record)
+            return residual, residual
 
-        jacobian, found = jax.jacfwd(both, has_aux=True)(unknown)
-        block = jnp.arange(found.shape[0]) * BLOCKS // found.shape[0]
-        sums = _channel_sums(
-            found, jacobian, jnp.sum(record.share, axis=0), block, jnp.sum(record.duration)
-        )
+        jacobian, residual = jax.jacfwd(both, has_aux=True)(unknown)
+        block = jnp.arange(residual.shape[0]) * BLOCKS // residual.shape[0]
+        count, duration = jnp.sum(record.share, axis=0), jnp.sum(record.duration)
+        channels = _channel_sums(residual, jacobian, count, block, duration)
         return RunSums(
-            *sums[:3],
-            gradient=jnp.sum(sums.scores, axis=0),
-            scores=sums.scores,
-            known_cost=jnp.zeros(()),
-            known=jnp.zeros_like(sums.information[0]),
-            residuals=found,
+            *channels[:3],
+            gradient=jnp.sum(channels.scores, axis=0),
+            scores=channels.scores,
+            prior_cost=jnp.zeros(()),
+            prior_information=jnp.zeros_like(channels.information[0]),
+            residuals=residual,
         )
 
-    return jax.vmap(one)(unknowns, records)
+    return jax.vmap(sums)(unknowns, records)
 
 
 class _ChannelSums(NamedTuple):
@@ -284,15 +287,15 @@ def assemble(
     size = unknowns.size
     matrix, gradient = np.zeros((size, size)), np.zeros(size)
     scores = np.zeros((len(sums), BLOCKS, size))
-    for row, (run, own) in enumerate(sums.items()):
+    for row, (run, of_run) in enumerate(sums.items()):
         quantities = unknowns.opened[unknowns.local[run]] & shared
-        open_to_it = np.concatenate([quantities, unknowns.active[run]])
-        columns = np.flatnonzero(open_to_it[: own.gradient.size])
+        is_open = np.concatenate([quantities, unknowns.active[run]])
+        columns = np.flatnonzero(is_open[: of_run.gradient.size])
         at = unknowns.of_run(run)[columns]
         # Quantities that share an unknown add up in it.
-        np.add.at(matrix, np.ix_(at, at), own.matrix[np.ix_(columns, columns)])
-        np.add.at(gradient, at, own.gradient[columns])
+        np.add.at(matrix, np.ix_(at, at), of_run.matrix[np.ix_(columns, columns)])
+        np.add.at(gradient, at, of_run.gradient[columns])
         for column, place in zip(columns, at, strict=True):
-            scores[row][:, place] += own.scores[:, column]
-    cost = sum((own.total for own in sums.values()), 0.0)
+            scores[row][:, place] += of_run.scores[:, column]
+    cost = sum((of_run.total for of_run in sums.values()), 0.0)
     return Normal(cost, gradient, matrix), scores
