@@ -43,9 +43,10 @@ _COLUMNS = (
     _Column("damping_ratio_sigma", "1", False),
 )
 _RUN = "run"
+_SHOWN = 8  # knocks of a map that is printed
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class FrequencyMap:
     """Natural frequency and damping at the poses that were knocked, one row a knock."""
 
@@ -72,6 +73,21 @@ class FrequencyMap:
     """Names of the runs."""
     unresolved: tuple[tuple[str, str], ...] = ()
     """Knocks that give no frequency: name of the run, and why."""
+
+    def __repr__(self) -> str:
+        low, high = np.min(self.frequency), np.max(self.frequency)
+        lines = [
+            f"FrequencyMap of {len(self.runs)} knocks: {low:.3g} to {high:.3g} Hz, "
+            f"{len(self.unresolved)} unresolved"
+        ]
+        lines += [
+            f"  {self.frequency[k]:.4g} ± {self.frequency_sigma[k]:.2g} Hz at "
+            f"({self.x[k]:.2f} m, {self.y[k]:.2f} m), {self.pretension[k]:g} N: {self.runs[k]}"
+            for k in range(min(len(self.runs), _SHOWN))
+        ]
+        if len(self.runs) > _SHOWN:
+            lines.append(f"  and {len(self.runs) - _SHOWN} more")
+        return "\n".join(lines)
 
 
 def frequency_map(campaign: Campaign) -> FrequencyMap:
