@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import Controller, saturate
 from scdpr_jax.command.sensors import Encoder, read_encoder
-from scdpr_jax.engines.stepping import Inputs, step
+from scdpr_jax.engines.stepping import Inputs, step, with_start
 from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.kinematics import inverse_kinematics
@@ -148,9 +148,7 @@ def sampled_loop(
     )
     return ClosedLoop(
         time=period * jnp.arange(intervals + 1, dtype=period.dtype),
-        states=jax.tree.map(
-            lambda first, rest: jnp.concatenate([first[None], rest]), start, states
-        ),
+        states=with_start(start, states),
         voltage=voltage,
     )
 
