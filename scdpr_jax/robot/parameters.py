@@ -7,7 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from scdpr_jax.robot.fields import real, si
+from scdpr_jax.robot.fields import described, measured, real, si
 from scdpr_jax.robot.friction import Coulomb, Friction, SmoothCoulomb
 
 
@@ -110,6 +110,12 @@ class Robot(eqx.Module):
         default=0.0, converter=real, metadata=si("m/s^2", "g")
     )
     """Gravitational acceleration [m/s²]; the paper leaves it out (0)."""
+
+    def __repr__(self) -> str:
+        """A line for each part, with units."""
+        parts = ("frame", "end_effector", "lower_carriage", "upper_carriage", "cable", "drive")
+        lines = [f"  {part}: {described(getattr(self, part))}" for part in parts]
+        return "\n".join(["Robot", *lines, f"  gravity: {measured(self.gravity, 'm/s^2')}"])
 
 
 def with_friction(robot: Robot, *, lower: Friction, upper: Friction) -> Robot:
