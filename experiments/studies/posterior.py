@@ -7,7 +7,8 @@ from identification.campaign.quantities import parse_quantity
 from identification.fit.unknowns.unknowns import PER_SETTING
 from identification.judge.uncertainty import ParameterEstimate
 from identification.result.fitted_robot import FittedRobot
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, Robot, quantity, replace
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, quantity, replace
 
 
 def draw(

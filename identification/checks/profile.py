@@ -17,7 +17,7 @@ from identification.judge.likelihood import Profile
 from identification.judge.uncertainty import ParameterEstimate
 from identification.result.estimate import Estimate
 from identification.result.estimation import solved
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 WIDTHS = (-3.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 3.0)
 """Where a quantity is held, in half widths of its interval."""

@@ -16,6 +16,7 @@ from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import FOLLOWS, layout
 from identification.result.estimate import Estimate
 from identification.result.estimation import estimate, require_float64, solve, vector
+from scdpr_jax.robot.state import pose
 
 ITERATIONS = 30
 """Most evaluations of a model; the next one goes on from there, and the chosen one, too."""
@@ -221,10 +222,9 @@ def _models(whole: Problem, fits: Sequence[_Fit]) -> tuple[Model, ...]:
 
 def _path_error(problem: Problem, rows: Sequence[int], point: Float[np.ndarray, " n"]) -> float:
     """Root mean square distance of the end-effector from its prediction in some runs [m]."""
-    place = [0, 4]
     sums = problem.cabled_sums([point], rows)
-    weight = np.asarray(problem.logs.rough.frame_weight)[rows][:, :, place]
-    error = unweighted(sums.residuals.frame[:, :, place], weight)
+    weight = pose(np.asarray(problem.logs.rough.frame_weight)[rows])
+    error = unweighted(pose(sums.residuals.frame), weight)
     whole = np.all(weight > 0, axis=2)
     return float(np.sqrt(np.mean(np.sum(np.square(error), axis=2)[whole])))
 

@@ -15,7 +15,8 @@ from identification.campaign.types import Campaign, Run, Sensors
 from identification.data.record import MotorRecord, Record, coarse, motor_record, stacked
 from identification.data.start import Clock, clocks
 from scdpr_jax.numerics.side_by_side import CORES
-from scdpr_jax.robot.parameters import Robot, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import value
 
 COARSE_STEP = 1e-2
 """Step that Jacobians are made at [s]: a tenth of the fastest vibration, where the engine's

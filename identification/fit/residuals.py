@@ -13,8 +13,8 @@ from identification.data.record import Record
 from identification.fit.unknowns.unknowns import apply_run
 from scdpr_jax.engines.closed_loop import pulley_angles
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate
-from scdpr_jax.robot.dynamics import State, rest
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import State, rest
 
 
 class Residuals(NamedTuple):

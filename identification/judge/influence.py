@@ -25,7 +25,7 @@ from identification.fit.levenberg_marquardt import Normal
 from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums
 from identification.judge.uncertainty import ParameterEstimate
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 RESAMPLES = 4000
 """Resamples of the bootstrap: with five runs its interval ends at the fourth of them."""

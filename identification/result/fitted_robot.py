@@ -18,7 +18,8 @@ from identification.judge.uncertainty import (
     judge,
 )
 from scdpr_jax.robot.fields import si
-from scdpr_jax.robot.parameters import QUANTITIES, Robot, quantity, replace, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import QUANTITIES, quantity, replace, value
 
 
 @dataclasses.dataclass(frozen=True)

@@ -24,8 +24,9 @@ from identification.result.estimate import Estimate
 from identification.result.fitted_robot import FittedRobot, Residual
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.numerics.json_file import read_json
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace
 
 
 def write_parameters(

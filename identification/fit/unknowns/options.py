@@ -5,8 +5,9 @@ import equinox as eqx
 from identification.campaign.types import Campaign
 from identification.fit.unknowns.measured import Measured
 from identification.fit.unknowns.unknowns import DEFAULT_FREE
-from scdpr_jax.robot.parameters import Robot, exact, replace
+from scdpr_jax.robot.parameters import Robot, exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 
 class FitOptions(eqx.Module):

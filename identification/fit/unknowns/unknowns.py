@@ -14,7 +14,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from identification.campaign.types import Run
 from identification.data.circumstances import NAMES, Circumstances, open_circumstances
-from scdpr_jax.robot.parameters import Robot, quantity, replace, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity, replace, value
 
 PER_SETTING = "effective_pretension"
 """The quantity that every nominal pretension has its own value of."""

@@ -8,7 +8,7 @@ from experiments.reports.measured_section import contradictions, measured_tables
 from identification.fit.unknowns.measured import MeasuredFit, MeasuredQuantity
 from identification.fit.unknowns.options import FitOptions
 from identification.result.parameters_file import read_parameters, write_parameters
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 OWN = float(value(estimate().robot, "end_effector_mass"))
 

@@ -14,7 +14,7 @@ from identification.checks.posterior import posterior, require_numpyro
 from identification.fit.unknowns.measured import MeasuredQuantity
 from identification.fit.unknowns.options import FitOptions
 from identification.result.estimation import estimate, solved
-from scdpr_jax.robot.parameters import replace
+from scdpr_jax.robot.quantities import replace
 
 FREE = ("drive_inertia", "drive_damping", "drive_friction")
 

@@ -5,7 +5,7 @@ from report_samples import compared_models, estimate
 
 from identification.fit.unknowns.measured import MeasuredQuantity
 from identification.fit.unknowns.options import FitOptions
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 
 def test_an_estimate_tells_its_quantities_in_a_few_lines():

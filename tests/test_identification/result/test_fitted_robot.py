@@ -1,7 +1,7 @@
 import pytest
 from report_samples import estimate
 
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 
 def test_a_setting_has_its_own_effective_pretension():

@@ -3,8 +3,8 @@ from short_runs import bare_run
 from identification.campaign import Campaign
 from identification.fit.unknowns.measured import MeasuredQuantity
 from identification.fit.unknowns.options import FitOptions
-from scdpr_jax.robot.parameters import replace, value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
 
 MASS = MeasuredQuantity(quantity="end_effector_mass", value=2.0, sigma=0.01)
 

@@ -3,23 +3,25 @@ r"""Contacts of the linear robot in a step: their assumed friction, and where th
 `linear_stepping` asks them three things of a step, in this order: which friction they have on
 the branch that they begin it on, what that branch holds at the step's end, and how the true
 friction differs from there on.
+
+Between events the step is exact, but for one thing: what holds a contact follows the load,
+which bends with the whole robot. It is taken as a straight line from the step's beginning, and
+what that lacks is put back by its moments. To solve for the held robot exactly would need a
+transition matrix for each of the contacts' branches.
 """
 
-from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from scdpr_jax.contacts import pulley_stick_slip, stick_slip
-from scdpr_jax.contacts.pulley_stick_slip import Pair
-from scdpr_jax.contacts.stick_slip import Quadratic, Scalars
+from scdpr_jax.contacts import branches, events, single
+from scdpr_jax.contacts.branches import PAIR, Pair, act, less
+from scdpr_jax.contacts.motion import Assumed
+from scdpr_jax.contacts.polynomial import Quadratic, cubic_between
+from scdpr_jax.contacts.response import Departure, Moving, Response, Scalars
 from scdpr_jax.numerics.once import once
-
-LOWER, UPPER, HEIGHT = 2, 3, 4
-"""The coordinates with friction, $q_3$, $q_4$ and $y_e$."""
-_PAIR = (LOWER, HEIGHT)
-"""Those that share the lower carriage's and the drives' friction."""
+from scdpr_jax.robot.state import HEIGHT, LOWER
 
 
 class Tables(NamedTuple):
@@ -37,28 +39,29 @@ class Tables(NamedTuple):
     drives: Scalars | None
 
 
-class Moving(NamedTuple):
-    r"""A state as scalars: $[x_e, \delta_e, q_3, q_4, y_e]$ and its derivative."""
-
-    position: Scalars
-    velocity: Scalars
-
-
 class Start(NamedTuple):
     """A step's beginning and what is held through it."""
 
     tables: Tables
     state: Moving
-    pushed: dict[int, Float[Array, ""]]
+    pushes: dict[int, Float[Array, ""]]
     """What drives and weight do to the coordinates with friction in the step [m/s]."""
 
     def load(self, i: int, at: Moving) -> Float[Array, ""]:
         """What acts on a coordinate in the step but damping and dry friction [m/s]."""
-        return self._pulled(i, at.position) + self.pushed[i]
+        return self._pulled(i, at.position) + self.pushes[i]
 
     def load_slope(self, i: int) -> Float[Array, ""]:
         """How that changes at the beginning [m/s]."""
         return self.tables.duration * self._pulled(i, self.state.velocity)
+
+    def response(self, i: int) -> Response:
+        """How the robot answers a coordinate with friction."""
+        if i == HEIGHT:
+            couplings = {i: jnp.zeros_like(self.tables.duration)}
+        else:
+            couplings = dict(enumerate(self.tables.coupling[i - LOWER]))
+        return Response(self.tables.damped[i - LOWER], couplings)
 
     def _pulled(self, i: int, along: Scalars) -> Float[Array, ""]:
         if i == HEIGHT:
@@ -67,7 +70,7 @@ class Start(NamedTuple):
         return sum(row[j] * along[j] for j in range(4))
 
 
-class Rubbed(NamedTuple):
+class AssumedFriction(NamedTuple):
     """Assumed friction on a coordinate through the step, in velocity units [m/s].
 
     It is constant on what slides; on what is held it is the load, but for its curvature,
@@ -76,15 +79,6 @@ class Rubbed(NamedTuple):
 
     constant: Float[Array, ""]
     rising: Float[Array, ""]
-
-
-class Departure(NamedTuple):
-    """How contacts leave the branches that they begin a step on."""
-
-    deviations: dict[int, stick_slip.Deviation]
-    """By the coordinate that feels them."""
-    at_rest: Callable[[Sequence[Float[Array, ""]]], dict[int, Float[Array, ""]]]
-    """From velocities at the end to those by which what sticks is at rest to the bit."""
 
 
 class Carriage(NamedTuple):
@@ -98,11 +92,11 @@ class Carriage(NamedTuple):
     load: Float[Array, ""]
     slope: Float[Array, ""]
 
-    def rubbed(self) -> dict[int, Rubbed]:
+    def friction(self) -> dict[int, AssumedFriction]:
         """Its assumed friction."""
         rests = self.branch == 0
         steady = jnp.where(rests, self.load, self.branch * self.limit)
-        return {self.i: Rubbed(steady, jnp.where(rests, self.slope, 0.0))}
+        return {self.i: AssumedFriction(steady, jnp.where(rests, self.slope, 0.0))}
 
     def held(self, end: Moving) -> Moving:
         """The assumed end with what the branch holds put back."""
@@ -116,25 +110,23 @@ class Carriage(NamedTuple):
         """Where it leaves its branch, by its motion and load as polynomials."""
         i, speed, arriving = self.i, self.start.state.velocity[self.i], end.velocity[self.i]
         rests, friction = self.branch == 0, self.branch * self.limit
-        linear = jnp.where(rests, 0.0, self.load - self.damped * speed - friction)
-        quadratic = arriving - speed - linear
         last = self.start.load(i, end)
         curve = once(last - self.load - self.slope)
-        end_slope = last - self.damped * arriving - friction
-        found = stick_slip.deviation(
-            stick_slip.Assumed(
+        deviation = single.deviation(
+            single.Assumed(
                 branch=self.branch,
-                velocity=Quadratic(speed, linear, quadratic),
-                bend=end_slope - linear - 2 * quadratic,
+                velocity=cubic_between(
+                    speed,
+                    arriving,
+                    slope=jnp.where(rests, 0.0, self.load - self.damped * speed - friction),
+                    end_slope=last - self.damped * arriving - friction,
+                ),
                 load=Quadratic(self.load, self.slope, curve),
                 limit=self.limit,
-                unheld=jnp.where(rests, curve, 0.0),
-                stiffness=_stiffness(self.start.tables, i),
+                stiffness=-self.start.response(i).couplings[i],
             )
         )
-        return Departure(
-            {i: found}, lambda velocity: {i: jnp.where(found.sticks, 0.0, velocity[i])}
-        )
+        return deviation.departure(i, jnp.where(rests, curve, 0.0))
 
 
 def carriage(start: Start, i: int) -> Carriage:
@@ -149,24 +141,19 @@ def carriage(start: Start, i: int) -> Carriage:
     """
     damped, limit = start.tables.damped[i - LOWER], start.tables.limit[i - LOWER]
     load = start.load(i, start.state)
-    branch = stick_slip.branch_at_start(start.state.velocity[i], load, limit)
+    branch = single.branch_at_start(start.state.velocity[i], load, limit)
     return Carriage(start, i, damped, limit, branch, load, start.load_slope(i))
-
-
-def _stiffness(tables: Tables, i: int) -> Float[Array, ""]:
-    """The cables' stiffness against a carriage, times the step squared over mass [1]."""
-    return -tables.duration * tables.pull[i - LOWER][i]
 
 
 class Pulleys(NamedTuple):
     """Lower carriage and height under the friction of the guide and of both drives."""
 
     start: Start
-    contacts: pulley_stick_slip.Contacts
+    contacts: branches.Contacts
     damping: Pair
     """Viscous damping, times the step's length [kg]."""
-    branch: pulley_stick_slip.Branch
-    mobility: pulley_stick_slip.Three
+    branch: branches.Branch
+    mobility: branches.Three
     load: Pair
     """As the step begins, without damping [N s]."""
     slope: Pair
@@ -174,71 +161,52 @@ class Pulleys(NamedTuple):
     gain: Pair
     """What is gained in a step at the beginning's acceleration [m/s]."""
 
-    def rubbed(self) -> dict[int, Rubbed]:
+    def friction(self) -> dict[int, AssumedFriction]:
         """Their assumed friction."""
-        force = _less(self.load, self.damping, self._speeds(self.start.state))
-        slope = _less(self.slope, self.damping, self.gain)
-        turn = pulley_stick_slip.act(self.mobility, slope)
+        force = _damped(self.load, self.damping, _speeds(self.start.state))
+        slope = _damped(self.slope, self.damping, self.gain)
+        turn = act(self.mobility, slope)
         return {
-            i: Rubbed(force[n] / m - self.gain[n], slope[n] / m - turn[n])
-            for n, (i, m) in enumerate(zip(_PAIR, self.contacts.mass, strict=True))
+            i: AssumedFriction(force[n] / m - self.gain[n], slope[n] / m - turn[n])
+            for n, (i, m) in enumerate(zip(PAIR, self.contacts.mass, strict=True))
         }
 
     def held(self, end: Moving) -> Moving:
         """The assumed end with what the branch holds put back."""
         q, v = list(end.position), list(end.velocity)
         before = self.start.state.position
-        moved = self.branch.exactly(tuple(q[i] - before[i] for i in _PAIR), self.contacts.mass)
-        speeds = self.branch.exactly(self._speeds(end), self.contacts.mass)
-        for i, way, speed in zip(_PAIR, moved, speeds, strict=True):
+        moved = self.branch.exactly(tuple(q[i] - before[i] for i in PAIR), self.contacts.mass)
+        speeds = self.branch.exactly(_speeds(end), self.contacts.mass)
+        for i, way, speed in zip(PAIR, moved, speeds, strict=True):
             q[i], v[i] = before[i] + way, speed
         return Moving(tuple(q), tuple(v))
 
     def departure(self, end: Moving) -> Departure:
         """Where they leave their branch, by their motion and load as polynomials."""
-        mass = self.contacts.mass
-        speeds, arriving = self._speeds(self.start.state), self._speeds(end)
-        last = tuple(m * self.start.load(i, end) for i, m in zip(_PAIR, mass, strict=True))
+        mass, speeds, arriving = self.contacts.mass, _speeds(self.start.state), _speeds(end)
+        last = tuple(m * self.start.load(i, end) for i, m in zip(PAIR, mass, strict=True))
         end_gain = _gain(
-            self.branch, self.mobility, _less(last, self.damping, arriving), self.contacts
-        )
-        quadratic = tuple(
-            b - a - g for a, b, g in zip(speeds, arriving, self.gain, strict=True)
+            self.branch, self.mobility, _damped(last, self.damping, arriving), self.contacts
         )
         curve = tuple(
             once(b - a - s) for a, b, s in zip(self.load, last, self.slope, strict=True)
         )
-        found = pulley_stick_slip.deviation(
-            pulley_stick_slip.Assumed(
+        deviation = events.deviation(
+            Assumed(
                 branch=self.branch,
                 mobility=self.mobility,
-                velocity=_quadratics(speeds, self.gain, quadratic),
-                bend=tuple(
-                    e - g - 2 * c
-                    for e, g, c in zip(end_gain, self.gain, quadratic, strict=True)
+                velocity=tuple(
+                    cubic_between(v, e, slope=g, end_slope=h)
+                    for v, e, g, h in zip(speeds, arriving, self.gain, end_gain, strict=True)
                 ),
-                load=_quadratics(self.load, self.slope, curve),
+                load=tuple(map(Quadratic, self.load, self.slope, curve)),
                 damping=self.damping,
-                stiffness=mass[0] * _stiffness(self.start.tables, LOWER),
+                stiffness=-mass[0] * self.start.response(LOWER).couplings[LOWER],
             ),
             self.contacts,
         )
         unheld = ((1 / mass[0] - self.mobility[0]) * curve[0], jnp.zeros_like(curve[1]))
-        deviations = {
-            i: stick_slip.deviating(moments, unheld[n], sticks=found.branch.origin != 0)
-            for n, (i, moments) in enumerate(
-                zip(_PAIR, zip(*found.moments, strict=True), strict=True)
-            )
-        }
-
-        def at_rest(velocity: Sequence[Float[Array, ""]]) -> dict[int, Float[Array, ""]]:
-            pair = tuple(velocity[i] for i in _PAIR)
-            return dict(zip(_PAIR, found.branch.exactly(pair, mass), strict=True))
-
-        return Departure(deviations, at_rest)
-
-    def _speeds(self, at: Moving) -> Pair:
-        return tuple(at.velocity[i] for i in _PAIR)
+        return deviation.departure(mass, unheld)
 
 
 def pulleys(start: Start) -> Pulleys:
@@ -250,37 +218,33 @@ def pulleys(start: Start) -> Pulleys:
     Returns:
         Both on their branch.
     """
-    tables, (_, velocity) = start.tables, start.state
-    mass = tuple(tables.mass[i - LOWER] for i in _PAIR)
-    damping = tuple(m * tables.damped[i - LOWER] for i, m in zip(_PAIR, mass, strict=True))
-    contacts = pulley_stick_slip.Contacts(mass, (*tables.drives, tables.limit[0] * mass[0]))
-    load = tuple(m * start.load(i, start.state) for i, m in zip(_PAIR, mass, strict=True))
-    slope = tuple(m * start.load_slope(i) for i, m in zip(_PAIR, mass, strict=True))
-    speeds = tuple(velocity[i] for i in _PAIR)
-    force = _less(load, damping, speeds)
-    branch = pulley_stick_slip.branch_at_start(speeds, force, contacts)
+    tables, speeds = start.tables, _speeds(start.state)
+    mass = tuple(tables.mass[i - LOWER] for i in PAIR)
+    damping = tuple(m * tables.damped[i - LOWER] for i, m in zip(PAIR, mass, strict=True))
+    contacts = branches.Contacts(mass, (*tables.drives, tables.limit[0] * mass[0]))
+    load = tuple(m * start.load(i, start.state) for i, m in zip(PAIR, mass, strict=True))
+    slope = tuple(m * start.load_slope(i) for i, m in zip(PAIR, mass, strict=True))
+    force = _damped(load, damping, speeds)
+    branch = branches.branch_at_start(speeds, force, contacts)
     mobility = branch.mobility(mass)
     gain = tuple(map(once, _gain(branch, mobility, force, contacts)))
     return Pulleys(start, contacts, damping, branch, mobility, load, slope, gain)
 
 
+def _speeds(at: Moving) -> Pair:
+    return tuple(at.velocity[i] for i in PAIR)
+
+
 def _gain(
-    branch: pulley_stick_slip.Branch,
-    mobility: pulley_stick_slip.Three,
+    branch: branches.Branch,
+    mobility: branches.Three,
     force: Pair,
-    contacts: pulley_stick_slip.Contacts,
+    contacts: branches.Contacts,
 ) -> Pair:
     """What a branch gains in a step under a force, damping included [m/s]."""
-    slide = branch.friction(contacts.limit)
-    return pulley_stick_slip.act(
-        mobility, tuple(p - f for p, f in zip(force, slide, strict=True))
-    )
+    return act(mobility, less(force, branch.friction(contacts.limit)))
 
 
-def _less(load: Pair, damping: Pair, velocity: Pair) -> Pair:
+def _damped(load: Pair, damping: Pair, velocity: Pair) -> Pair:
     """A load less what damping takes of it."""
-    return tuple(p - c * v for p, c, v in zip(load, damping, velocity, strict=True))
-
-
-def _quadratics(constant: Pair, linear: Pair, quadratic: Pair) -> tuple[Quadratic, Quadratic]:
-    return tuple(map(Quadratic, constant, linear, quadratic))
+    return less(load, tuple(c * v for c, v in zip(damping, velocity, strict=True)))

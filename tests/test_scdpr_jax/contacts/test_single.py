@@ -4,17 +4,18 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from scdpr_jax.contacts.stick_slip import Assumed, Quadratic, deviation
+from scdpr_jax.contacts.polynomial import Cubic, Quadratic
+from scdpr_jax.contacts.single import Assumed, branch_at_start, deviation
 
 LIMIT = 1.0
 
 
-def assumed(branch, velocity, load, *, bend=0.0, unheld=0.0):
+def assumed(branch, velocity, load, *, bend=0.0):
     """A carriage without cables' stiffness, on a branch."""
-    numbers = (jnp.asarray(float(number)) for number in (branch, bend, LIMIT, unheld, 0.0))
-    branch, bend, limit, unheld, stiffness = numbers
+    numbers = (jnp.asarray(float(number)) for number in (branch, bend, LIMIT, 0.0))
+    branch, bend, limit, stiffness = numbers
     velocity, load = (Quadratic(*map(jnp.asarray, p)) for p in (velocity, load))
-    return Assumed(branch, velocity, bend, load, limit, unheld, stiffness)
+    return Assumed(branch, Cubic(velocity, bend), load, limit, stiffness)
 
 
 def moments_of(difference, *, begin=0.0, end=1.0):
@@ -28,6 +29,25 @@ def moments_of(difference, *, begin=0.0, end=1.0):
 def assert_moments(found, expected):
     # Closed forms of polynomials of a few terms near 1: some ten roundings.
     np.testing.assert_allclose(found.moments, expected, rtol=0, atol=16 * np.finfo(float).eps)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "load", "branch"),
+    [(0.1, -9.0, 1), (-1e-9, 9.0, -1), (0.0, 1.0, 0), (0.0, -1.01, -1), (0.0, 1.01, 1)],
+)
+def test_a_step_begins_on_the_branch_of_its_velocity_or_else_of_its_load(
+    velocity, load, branch
+):
+    found = branch_at_start(jnp.asarray(velocity), jnp.asarray(load), jnp.asarray(LIMIT))
+    assert float(found) == branch
+
+
+def test_what_sticks_is_at_rest_to_the_bit_and_what_slides_is_left_alone():
+    sticking = deviation(assumed(1, (0.5, -1.0, 0.0), (0.0, 0.0, 0.0))).departure(1)
+    sliding = deviation(assumed(1, (0.5, 0.0, 0.0), (0.0, 0.0, 0.0))).departure(1)
+    velocity = [jnp.asarray(3.0), jnp.asarray(1e-17)]
+    assert sticking.at_rest(velocity) == {1: 0.0}
+    assert sliding.at_rest(velocity) == {1: velocity[1]}
 
 
 def test_a_carriage_that_slides_on_deviates_by_nothing():
@@ -74,10 +94,11 @@ def test_a_held_carriage_breaks_away_where_its_load_passes_the_limit(side):
 
 
 def test_others_feel_what_the_friction_of_a_held_carriage_lacks_and_itself_does_not():
-    found = deviation(assumed(0, (0.0, 0.0, 0.0), (0.1, 0.2, 0.3), unheld=0.3))
+    found = deviation(assumed(0, (0.0, 0.0, 0.0), (0.1, 0.2, 0.3)))
     assert_moments(found, np.zeros(4))
     expected = moments_of(lambda t: -0.3 * t**2)[2:]
-    np.testing.assert_allclose(found.pulls, expected, rtol=0, atol=np.finfo(float).eps)
+    pulls = found.departure(3, jnp.asarray(0.3)).deviations[3].pulls
+    np.testing.assert_allclose(pulls, expected, rtol=0, atol=np.finfo(float).eps)
 
 
 def test_a_carriage_that_has_stopped_may_break_away_again():

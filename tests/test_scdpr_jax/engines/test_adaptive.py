@@ -11,15 +11,18 @@ from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import table_3
 from scdpr_jax.engines import stepping
 from scdpr_jax.engines.adaptive import (
+    Adaptive,
     simulate_closed_loop,
     simulate_smooth,
     smooth_sensitivities,
 )
 from scdpr_jax.engines.closed_loop import closed_loop
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, dampings, energy, pulley_rates, rest
-from scdpr_jax.robot.parameters import exact, replace, smoothed, value
+from scdpr_jax.robot.dynamics import dampings, energy, pulley_rates
+from scdpr_jax.robot.parameters import exact, smoothed
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import State, rest
 
 ROBOT = consistent()
 FRICTIONLESS = replace(smoothed(ROBOT), {"friction_coefficient": 0.0})
@@ -46,8 +49,7 @@ def adaptive(robot, start, voltage, knock, tolerance):
         times=TIMES,
         knock=knock,
         save_at=TIMES,
-        rtol=tolerance,
-        atol=tolerance,
+        method=Adaptive(rtol=tolerance, atol=tolerance),
     )
 
 
@@ -160,7 +162,7 @@ def in_few_steps(voltage):
         voltage=voltage,
         times=TIMES,
         save_at=TIMES[WANTED],
-        max_steps=1000,
+        method=Adaptive(max_steps=1000),
     )
 
 
@@ -184,7 +186,10 @@ SCALES = jnp.ones(3)
 WEIGHTS = jnp.array([1.0, 0.5, -1.0, 2.0, 1.0])
 
 
-def weighted(scales, adjoint=None):
+TIGHT = Adaptive(rtol=1e-10, atol=1e-10)
+
+
+def weighted(scales, method=TIGHT):
     numbers = {"effective_pretension": 85 * scales[0], "drive_inertia": 0.0127 * scales[1]}
     robot = replace(smoothed(ROBOT, width=2e-2), numbers)
     final = simulate_smooth(
@@ -193,9 +198,7 @@ def weighted(scales, adjoint=None):
         voltage=scales[2] * jnp.array([[9.0, 7.0], [0.0, 0.0]]),
         times=jnp.array([0.0, 0.3, 0.5]),
         save_at=jnp.array([0.5]),
-        adjoint=adjoint,
-        rtol=1e-10,
-        atol=1e-10,
+        method=method,
     )
     return WEIGHTS @ final.position[0]
 
@@ -206,7 +209,9 @@ def forward():
 
     def along(scales, direction):
         def value(scales):
-            return weighted(scales, diffrax.ForwardMode())
+            return weighted(
+                scales, Adaptive(rtol=1e-10, atol=1e-10, adjoint=diffrax.ForwardMode())
+            )
 
         return jax.jvp(value, (scales,), (direction,))
 
@@ -235,8 +240,7 @@ PUSH = {
     "voltage": jnp.array([[9.0, 7.0], [0.0, 0.0]]),
     "times": jnp.array([0.0, 0.2, 0.8]),
     "save_at": jnp.array([0.2, 0.8]),
-    "rtol": 1e-9,
-    "atol": 1e-9,
+    "method": Adaptive(rtol=1e-9, atol=1e-9),
 }
 
 
@@ -300,7 +304,7 @@ def test_stiff_solver_agrees_with_the_explicit_one():
             voltage=jnp.array([[9.0, 7.0]]),
             times=jnp.array([0.0, 0.2]),
             save_at=jnp.array([0.2]),
-            solver=solver,
+            method=Adaptive(solver),
         ).position
 
     explicit, implicit = (
