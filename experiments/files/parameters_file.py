@@ -21,8 +21,9 @@ from identification.judge.influence import Influence
 from identification.judge.validation import validate
 from identification.result.estimate import Estimate
 from scdpr_jax.numerics.files import write_whole
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, Robot, exact, replace
+from scdpr_jax.robot.parameters import Robot, exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace
 from tuning.result.json_file import read_json
 
 AXIS_UNITS = {

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from experiments.page.coordinates import plain_symbol
 from experiments.page.number_text import percent, readable_unit, rounded
 from identification.judge.uncertainty import ParameterEstimate, half_width, magnitude
-from scdpr_jax.robot.parameters import EVERY_QUANTITY
+from scdpr_jax.robot.quantities import EVERY_QUANTITY
 
 COVERED = 0.997
 """Level of the interval that the truth is looked for in [1]."""

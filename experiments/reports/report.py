@@ -38,7 +38,8 @@ from identification.judge.uncertainty import covariance
 from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
 from scdpr_jax.numerics.files import write_whole
-from scdpr_jax.robot.parameters import Robot, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import value
 from tuning.result.types import Tuning
 
 RUNS_DRAWN = 8

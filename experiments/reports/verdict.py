@@ -16,7 +16,8 @@ from identification.judge.uncertainty import USUAL, ParameterEstimate, half_widt
 from identification.judge.validation import LEVEL, validate
 from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
+from scdpr_jax.robot.state import pose
 
 FRICTION = "friction_coefficient"
 
@@ -96,8 +97,7 @@ def prediction(comparison: Comparison, *, radius: float) -> Prediction:
     Returns:
         Its errors.
     """
-    columns = [0, 4]
-    measured, simulated = comparison.measured[:, columns], comparison.simulated[:, columns]
+    measured, simulated = pose(comparison.measured), pose(comparison.simulated)
     seen = np.all(np.isfinite(measured), axis=1)
     if not np.any(seen):
         measured, simulated = (

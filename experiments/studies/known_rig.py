@@ -13,7 +13,8 @@ from identification.fit.misfit import ERROR_TIME
 from identification.fit.unknowns.unknowns import PER_SETTING, encode
 from identification.judge.uncertainty import magnitude
 from identification.next_run.expected_information import FRAME_RATE, Rig, rig_errors
-from scdpr_jax.robot.parameters import Robot, quantity
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity
 
 UNTOLD = math.log(2)
 """Standard error over the size that stands for one that nothing tells [1]: a factor of 2."""

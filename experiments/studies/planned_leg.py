@@ -13,6 +13,7 @@ from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import ClosedLoop, closed_loop, joint_references
 from scdpr_jax.robot.kinematics import forward_kinematics
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import pose
 from tuning.plan.following import Scenario, begin
 from tuning.plan.plan_file import Plan
 from tuning.plan.planning import SCENARIOS, Progress, plan_leg, scenarios
@@ -153,7 +154,7 @@ def _runs(
         run = jax.tree.map(lambda leaf, lane=lane: np.asarray(leaf[lane]), found)
         q = run.states.position
         figures = _figures(q, reference, run.time, run.voltage, ended, robot)
-        runs.append(LegRun(run.time, reference, q[:, [0, 4]], run.voltage, figures))
+        runs.append(LegRun(run.time, reference, pose(q), run.voltage, figures))
     return tuple(runs)
 
 
@@ -167,13 +168,13 @@ def _figures(
 ) -> LegFigures:
     last, goal = q[-1], reference[-1]
     slope = (last[3] - last[2]) / float(robot.frame.height)
-    unsettled = np.flatnonzero(np.hypot(*(q[:, [0, 4]] - goal).T) > SETTLED)
+    unsettled = np.flatnonzero(np.hypot(*(pose(q) - goal).T) > SETTLED)
     first = unsettled[-1] + 1 if unsettled.size else 0
     return LegFigures(
         vibration=float(np.ptp(q[ended:, 0])),
         resting_error=float(np.hypot(last[2] + slope * last[4] - goal[0], last[4] - goal[1])),
         settled=float(time[first]) if first < time.size else float("nan"),
-        largest_error=float(np.max(np.hypot(*(q[:, [0, 4]] - reference).T))),
+        largest_error=float(np.max(np.hypot(*(pose(q) - reference).T))),
         largest_voltage=float(np.max(np.abs(voltage))),
     )
 

@@ -6,7 +6,8 @@ from jaxtyping import Float
 from experiments.files.parameters_file import FittedRobot
 from identification.campaign.quantities import parse_quantity
 from identification.fit.unknowns.unknowns import PER_SETTING
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, Robot, quantity, replace
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, quantity, replace
 
 
 def draw(

@@ -13,8 +13,8 @@ from scdpr_jax.command.controller import Controller, published_pd
 from scdpr_jax.command.shaper import ShapedTrajectory, Shaper
 from scdpr_jax.command.trajectory import Trajectory, table_3
 from scdpr_jax.engines.closed_loop import ClosedLoop, closed_loop
-from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import rest
 from tuning.result.types import Tuning
 
 HOLD = 1.0

@@ -10,8 +10,8 @@ from experiments.sweep.measure import Measure, Output, Values, X, Y, only_if
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import closed_loop
-from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import rest
 from scdpr_jax.statics.workspace import static_workspace
 
 PERIOD = 1e-3

@@ -27,9 +27,10 @@ from identification.result.estimate import Estimate, estimate
 from scdpr_jax.engines.closed_loop import pulley_angles
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import Robot, replace, value
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import rest
 
 PERIOD, SUBSTEPS, ROWS = 5e-3, 5, 361
 """Sample period of the logs [s], steps of the rig in it, and samples of a run."""

@@ -30,9 +30,10 @@ from scdpr_jax.command.trajectory import table_3
 from scdpr_jax.engines.closed_loop import pulley_angles, sampled_loop
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate, step
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, rest
-from scdpr_jax.robot.parameters import Robot, replace, value
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import State, rest
 
 PERIOD = 1e-3
 """Sample period of the rig's controller [s], section 4.1."""
@@ -237,7 +238,7 @@ class _Rig:
         time = np.arange(ROWS) * PERIOD
         pushed = np.where((time >= 0.3) & (time < 0.33), force, 0.0)
         if held:
-            where = np.asarray(start.position)[[0, 4]]
+            where = np.asarray(start.pose)
             return self.under_control(start, np.tile(where, (ROWS, 1)), pushed, 3000)
         voltage = np.zeros((3000, 2))
         return self.log(_open_loop(self.robot, start, voltage, pushed), voltage)

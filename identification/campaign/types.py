@@ -140,7 +140,7 @@ class Campaign:
     """Encoder counts of one turn of a driver pulley [1], None if unknown."""
     robot: dict[str, float] = dataclasses.field(default_factory=dict)
     """What is known of the robot [SI], by the names of
-    `scdpr_jax.robot.parameters.QUANTITIES`."""
+    `scdpr_jax.robot.quantities.QUANTITIES`."""
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
     """The sensors' noise."""
     skipped: tuple[tuple[str, tuple[Fault, ...]], ...] = ()

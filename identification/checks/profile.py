@@ -15,7 +15,7 @@ from identification.campaign.types import Campaign
 from identification.fit.levenberg_marquardt import Normal, minimise_together
 from identification.fit.unknowns.unknowns import decode, encode
 from identification.result.estimate import Estimate, solved
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 WIDTHS = (-3.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 3.0)
 """Where a quantity is held, in half widths of its interval."""

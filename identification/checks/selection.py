@@ -15,8 +15,9 @@ from identification.fit.unknowns.measured import Measured, with_measured
 from identification.fit.unknowns.models import REFINEMENTS, Model, Refinement
 from identification.fit.unknowns.unknowns import DEFAULT_FREE, FOLLOWS, layout
 from identification.result.estimate import Estimate, estimate, require_float64, solve, vector
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 ITERATIONS = 30
 """Most evaluations of a model; the next one goes on from there, and the chosen one, too."""

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from identification.campaign.types import Run, Sensors
+from scdpr_jax.robot.state import HEIGHT, LOWER
 
 CLOCK_MARGIN = 0.02
 """How far an estimated clock may still move [s]: as far as the fit may trust no frame."""
@@ -95,7 +96,7 @@ def _seen_at_rest(run: Run, offset: float, sensors: Sensors) -> Start | None:
         return None
     margin = CLOCK_MARGIN if run.clock_offset is None else 0.0
     resting = run.camera.time - offset <= rest_until(run) - margin
-    frames = run.camera.position[resting][:, [2, 3, 4]]
+    frames = run.camera.position[resting][:, LOWER:]
     count = np.count_nonzero(np.isfinite(frames), axis=0)
     if np.any(count == 0):
         return None
@@ -152,8 +153,8 @@ def _aligned(run: Run, sensors: Sensors, effective_radius: float) -> Clock:
     height = effective_radius * (angle[:, 0] - angle[:, 1]) / 2
     pairs = []
     for seen, moved in (
-        (run.camera.position[:, 2], carriage),
-        (run.camera.position[:, 4], height),
+        (run.camera.position[:, LOWER], carriage),
+        (run.camera.position[:, HEIGHT], height),
     ):
         valid = np.isfinite(seen)
         if np.ptp(moved) > 10 * sensors.camera_position_sigma and np.count_nonzero(valid) > 5:

@@ -24,7 +24,9 @@ from identification.fit.unknowns.measured import (
 )
 from identification.fit.unknowns.unknowns import Unknowns, layout, start_values
 from scdpr_jax.numerics.side_by_side import CORES
-from scdpr_jax.robot.parameters import Robot, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import value
+from scdpr_jax.robot.state import pose
 
 COARSE_STEP = 1e-2
 """Step that Jacobians are made at [s]: a tenth of the fastest vibration, where the engine's
@@ -436,8 +438,8 @@ class Problem:
         """
         rows = [row for row, run in enumerate(self.cabled) if run in self.held_out]
         sums = self._simulated([point], rows)
-        seen = np.asarray(self.rough.frame_weight)[rows][:, :, [0, 4]]
-        off = _over(sums.residuals.frame[:, :, [0, 4]], seen)
+        seen = pose(np.asarray(self.rough.frame_weight)[rows])
+        off = _over(pose(sums.residuals.frame), seen)
         whole = np.all(seen > 0, axis=2)
         return float(np.sqrt(np.mean(np.sum(np.square(off), axis=2)[whole])))
 

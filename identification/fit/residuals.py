@@ -11,9 +11,9 @@ from jaxtyping import Array, Float
 from identification.data.record import Record
 from scdpr_jax.engines.closed_loop import pulley_angles
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate
-from scdpr_jax.robot.dynamics import State, rest
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import State, rest
 
 
 class Circumstances(eqx.Module):

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from identification.fit.problem import Problem
 from identification.fit.scan import scan
 from identification.fit.unknowns.unknowns import PER_SETTING, decode, encode
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 SCAN_RUNS = 2
 """Runs of a setting that the scan looks at: those that move the furthest sideways."""

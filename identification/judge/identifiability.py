@@ -17,7 +17,7 @@ from identification.fit.comparison import ENCODERS
 from identification.fit.problem import Problem
 from identification.fit.unknowns.unknowns import decode
 from identification.judge.uncertainty import magnitude
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 SENSORS = ("encoders", "camera")
 """Groups of channels in the table of `Identifiability.moved`."""

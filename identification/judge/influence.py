@@ -26,7 +26,7 @@ from identification.fit.accumulate import RunSums
 from identification.fit.levenberg_marquardt import Normal
 from identification.fit.problem import Problem
 from identification.judge.uncertainty import ParameterEstimate
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 RESAMPLES = 4000
 """Resamples of the bootstrap: with five runs its interval ends at the fourth of them."""

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from scipy import stats
 
 from scdpr_jax.robot.fields import si
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 STRETCHES = (1, 4, 40)
 """Neighbouring blocks of a run's score that are summed: a block, a tenth, all of it."""
@@ -32,7 +32,7 @@ class ParameterEstimate:
     """A quantity's value with its uncertainty."""
 
     name: str
-    """Name, see `scdpr_jax.robot.parameters.QUANTITIES`."""
+    """Name, see `scdpr_jax.robot.quantities.QUANTITIES`."""
     setting: str | None
     """Nominal pretension that the value belongs to, None if it belongs to all."""
     value: float

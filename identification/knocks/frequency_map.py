@@ -14,6 +14,7 @@ from identification.campaign.types import Campaign, Run
 from identification.knocks.ring_down import RingDown, ring_down
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.state import X, pose
 
 _MARGIN = 0.05  # s: a frame and a half between the knock and the first sample in use
 _CLOCK = 0.1  # s: the same where the camera's clock is unknown by some tens of ms
@@ -135,7 +136,7 @@ def _row(run: Run, *, noise_sigma: float) -> tuple[float, float, RingDown, Run]:
     time = np.asarray(run.camera.time)
     position = np.asarray(run.camera.position)
     before = position[time < run.knock.start + offset - margin]
-    x, y = (before[:, i][np.isfinite(before[:, i])] for i in (0, 4))
+    x, y = (seen[np.isfinite(seen)] for seen in pose(before).T)
     if len(x) == 0 or len(y) == 0:
         raise ValueError(
             f"the camera saw no pose before {run.knock.start + offset - margin:.3g} s, "
@@ -144,7 +145,7 @@ def _row(run: Run, *, noise_sigma: float) -> tuple[float, float, RingDown, Run]:
         )
     decay = ring_down(
         time,
-        position[:, 0],
+        position[:, X],
         noise_sigma=noise_sigma,
         after=run.knock.start + run.knock.duration + offset + margin,
     )

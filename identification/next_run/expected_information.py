@@ -21,9 +21,10 @@ from identification.fit.residuals import Circumstances, encoder_residuals, frame
 from identification.fit.unknowns.unknowns import apply
 from identification.next_run.excitation import KNOCK_TIME, REST, STEP
 from scdpr_jax.engines.stepping import Inputs
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.fields import real, si
-from scdpr_jax.robot.parameters import Robot, quantity
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity
+from scdpr_jax.robot.state import State, pose
 
 FRAME_RATE = 30.0
 """Rate of the camera [Hz]."""
@@ -244,9 +245,9 @@ def _beyond(rig: Rig, states: State, record: Record) -> Float[Array, ""]:
     body, frame = rig.robot.end_effector, rig.robot.frame
     low = jnp.stack([jnp.asarray(MARGIN), body.lower_offset + MARGIN])
     high = jnp.stack([frame.width - MARGIN, frame.height - body.upper_offset - MARGIN])
-    at, active = jnp.array([0, 4]), record.angle_weight[:, :1] > 0
-    place = jnp.where(active, states.position[:, at], states.position[:1, at])
-    speed = jnp.where(active, jnp.abs(states.velocity[:, at]), 0.0)
+    active = record.angle_weight[:, :1] > 0
+    place = jnp.where(active, states.pose, states.pose[:1])
+    speed = jnp.where(active, jnp.abs(pose(states.velocity)), 0.0)
     out = jnp.maximum(low[None] - place, 0.0) + jnp.maximum(place - high[None], 0.0)
     return jnp.max(out) + jnp.max(jnp.maximum(speed - rig.top_speed, 0.0))
 

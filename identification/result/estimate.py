@@ -37,8 +37,9 @@ from identification.judge.uncertainty import (
     is_untold,
     judge,
 )
-from scdpr_jax.robot.parameters import QUANTITIES, Robot, exact, quantity, replace, value
+from scdpr_jax.robot.parameters import Robot, exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import QUANTITIES, quantity, replace, value
 
 CORRECTIONS = 2
 """How often the coarser grid's own error is taken off, see `Problem.corrected`."""

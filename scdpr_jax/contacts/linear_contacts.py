@@ -15,9 +15,8 @@ from scdpr_jax.contacts import pulley_stick_slip, stick_slip
 from scdpr_jax.contacts.pulley_stick_slip import Pair
 from scdpr_jax.contacts.stick_slip import Quadratic, Scalars
 from scdpr_jax.numerics.once import once
+from scdpr_jax.robot.state import HEIGHT, LOWER
 
-LOWER, UPPER, HEIGHT = 2, 3, 4
-"""The coordinates with friction, $q_3$, $q_4$ and $y_e$."""
 _PAIR = (LOWER, HEIGHT)
 """Those that share the lower carriage's and the drives' friction."""
 

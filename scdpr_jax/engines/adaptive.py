@@ -26,9 +26,10 @@ from scdpr_jax.command.sensors import Encoder
 from scdpr_jax.engines.closed_loop import ClosedLoop, sampled_loop
 from scdpr_jax.engines.stepping import Inputs
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, accelerations
+from scdpr_jax.robot.dynamics import accelerations
 from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import State
 
 _Held = Callable[[Float[Array, ""]], tuple[Float[Array, "2"], Float[Array, ""]]]
 """Commands [V] and knock [N] as a function of time."""

@@ -16,9 +16,6 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.contacts import stick_slip
 from scdpr_jax.contacts.linear_contacts import (
-    HEIGHT,
-    LOWER,
-    UPPER,
     Moving,
     Rubbed,
     Start,
@@ -31,8 +28,9 @@ from scdpr_jax.engines.propagator import Propagator, propagator
 from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, drive_forces, masses
+from scdpr_jax.robot.dynamics import drive_forces, masses
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, X
 
 
 def simulate_linear(
@@ -123,7 +121,11 @@ def _accelerations(
     forces = jax.vmap(drive_forces, in_axes=(None, 0))(robot, torque)
     knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
     weight = robot.gravity * robot.end_effector.mass
-    return forces[:, 2] / mass[2], knock / mass[0], (forces[:, 4] - weight) / mass[4]
+    return (
+        forces[:, LOWER] / mass[LOWER],
+        knock / mass[X],
+        (forces[:, HEIGHT] - weight) / mass[HEIGHT],
+    )
 
 
 def _unpacked(tables: Propagator) -> Tables:

@@ -26,10 +26,11 @@ from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, dampings, masses, smooth_forces
+from scdpr_jax.robot.dynamics import dampings, masses, smooth_forces
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import State
 
 _LOWER, _UPPER, _HEIGHT = 2, 3, 4
 """The coordinates with friction, $q_3$, $q_4$ and $y_e$."""

@@ -12,7 +12,7 @@ from identification.fit.unknowns.unknowns import apply, encode
 from identification.next_run.excitation import KNOCK_TIME, REST, STEP, Excitation
 from identification.next_run.expected_information import Rig, rig_errors
 from identification.result.estimate import estimate
-from scdpr_jax.robot.parameters import quantity, replace, value
+from scdpr_jax.robot.quantities import quantity, replace, value
 
 PERIOD, SUBSTEPS = 1e-3, 2
 COUNTS = 2000.0

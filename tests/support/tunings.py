@@ -4,8 +4,9 @@ import jax.numpy as jnp
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from tuning.loop.margins import Margins
 from tuning.result.types import FittedSetting, Region, RegionalShaper, ResidualVibration, Tuning
 from tuning.shapers.catalogue import ei, um_zv, zv

@@ -175,7 +175,7 @@ def _leg(model: Models, command: Command, on: Grid) -> Found:
         reference=commanded,
         encoder=Encoder(on.counts),
     )
-    place = done.states.position[:, jnp.asarray((0, 4))]
+    place = done.states.pose
     limit = model.robot.drive.voltage_limit
     error = jnp.max(tracking_error(place, commanded))
     held = place[on.moving :, 0]

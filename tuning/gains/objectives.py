@@ -5,9 +5,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.engines.closed_loop import ClosedLoop
-from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import rest
 
 _POWER = 8
 """Order of the mean that stands for a maximum: 16 % below a sinusoid's amplitude."""
@@ -124,7 +124,7 @@ def score(
         The metrics.
     """
     position = run.states.position
-    pose = jnp.stack([position[:, 0], position[:, 4]], axis=1)
+    pose = run.states.pose
     error = tracking_error(pose, commanded)
     after = (run.time >= end).astype(error.dtype)
     last = position[-1]

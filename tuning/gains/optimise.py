@@ -26,9 +26,10 @@ from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import ShapedTrajectory, Shaper
 from scdpr_jax.command.trajectory import Manoeuvre, rest_to_rest
 from scdpr_jax.engines.closed_loop import ClosedLoop, closed_loop
-from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.fields import si
-from scdpr_jax.robot.parameters import Robot, replace
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import rest
 from tuning.gains.objectives import Scores, loss, score
 from tuning.loop.admissible import Admissible
 

@@ -273,7 +273,7 @@ def _predict(
         # As many for every leg time, so that it compiles once; the rest is cut off.
         most, samples = (samples_for(t, float(pd.period)) for t in (longest, leg_time))
         found = _run(task, pd, impulses, leg, samples=most)
-        position = np.asarray(found.run.states.position)[:, [0, 4]]
+        position = np.asarray(found.run.states.pose)
         numbers = {
             field.name: float(getattr(found.scores, field.name))
             for field in dataclasses.fields(Metrics)

@@ -11,12 +11,10 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.engines.stepping import friction_coefficients
 from scdpr_jax.robot.cable import loop_forces
-from scdpr_jax.robot.dynamics import State, dampings, gravity_force, masses, pulley_rates
+from scdpr_jax.robot.dynamics import dampings, gravity_force, masses, pulley_rates
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
-
-DRIVEN = (2, 4)
-"""The coordinates that the drives act on, $q_3$ and $y_e$."""
+from scdpr_jax.robot.state import HEIGHT, LOWER, State, driven
 
 TURN_ROUND = 2e-3
 """Velocity over which the compensated friction turns round [m/s]: a step of the commands
@@ -50,15 +48,14 @@ def inverse_dynamics(robot: Robot, state: State, wanted: Motion) -> Float[Array,
     Returns:
         Commands of both drives, not saturated [V].
     """
-    coordinates = jnp.asarray(DRIVEN)
     loop, drive = loop_forces(robot, state.position), robot.drive
-    pull = (loop.pull + gravity_force(robot))[coordinates]
-    inertial = masses(robot)[coordinates] * wanted.acceleration
-    viscous = dampings(robot)[coordinates] * wanted.velocity
+    pull = driven(loop.pull + gravity_force(robot))
+    inertial = driven(masses(robot)) * wanted.acceleration
+    viscous = driven(dampings(robot)) * wanted.velocity
     limit = friction_coefficients(robot)[0] * loop.normal[0]
     dry = limit * jnp.tanh(wanted.velocity[0] / TURN_ROUND)
     force = (inertial + viscous - pull).at[0].add(dry)
     torque = drive.effective_radius / 2 * jnp.stack([force[0] + force[1], force[0] - force[1]])
-    moving = jnp.zeros(5, dtype=force.dtype).at[coordinates].set(wanted.velocity)
+    moving = jnp.zeros(5, dtype=force.dtype).at[LOWER :: HEIGHT - LOWER].set(wanted.velocity)
     own = drive.friction * jnp.tanh(pulley_rates(robot, moving) / drive.friction_width)
     return (torque + own) / drive.torque_per_volt

@@ -9,11 +9,11 @@ from jaxtyping import Array, Float
 from scdpr_jax.command.controller import PD, saturate
 from scdpr_jax.engines.stepping import Inputs, step
 from scdpr_jax.numerics.lean_scan import lean_scan
-from scdpr_jax.robot.dynamics import State, rest
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.kinematics import inverse_kinematics
 from scdpr_jax.robot.parameters import Robot
-from tuning.plan.feedforward import DRIVEN, Motion, inverse_dynamics
+from scdpr_jax.robot.state import State, driven, rest
+from tuning.plan.feedforward import Motion, inverse_dynamics
 
 
 class Followed(NamedTuple):
@@ -52,7 +52,6 @@ def follow(
     Returns:
         The run.
     """
-    coordinates = jnp.asarray(DRIVEN)
     radius = robot.drive.effective_radius
     still = jnp.zeros((), dtype=period.dtype)
 
@@ -60,8 +59,8 @@ def follow(
         state: State, wanted: tuple[Motion, Motion]
     ) -> tuple[State, tuple[State, Float[Array, "2"], Float[Array, "2"]]]:
         now, ahead = wanted
-        error = inverse_kinematics(now.position - state.position[coordinates], radius)
-        rate = inverse_kinematics(now.velocity - state.velocity[coordinates], radius)
+        error = inverse_kinematics(now.position - state.driven, radius)
+        rate = inverse_kinematics(now.velocity - driven(state.velocity), radius)
         forward = inverse_dynamics(robot, state, ahead)
         voltage = (
             forward + controller.proportional_gain * error + controller.derivative_gain * rate

@@ -183,7 +183,7 @@ def run_scenario(
         The run.
     """
     itself, state = begin(robot, scenario, on.instants.position[0])
-    shift = (state.position[jnp.asarray((2, 4))] - on.instants.position[0])[None]
+    shift = (state.driven - on.instants.position[0])[None]
     instants, middles = (
         Motion(motion.position + shift, motion.velocity, motion.acceleration)
         for motion in led(on, coefficients)
@@ -420,7 +420,7 @@ def _at_full_rate(
     nominal = Scenario(*(jnp.asarray(number) for number in SCENARIOS[0]))
     run = _run_scenario(robot, controller, nominal, on, jnp.asarray(coefficients))
     driven = np.asarray(led(on, jnp.asarray(coefficients))[0].position)
-    seen = np.asarray(run.states.position)[:, [0, 4]]
+    seen = np.asarray(run.states.pose)
     last = np.zeros((1, 2))
     return Leg(
         time=period * np.arange(steps + 1),

@@ -10,7 +10,8 @@ from jaxtyping import Float
 
 from scdpr_jax.linear.modes import BOTH_HELD, held_frequency, natural_frequencies
 from scdpr_jax.robot.fields import si
-from scdpr_jax.robot.parameters import Robot, replace, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import replace, value
 from tuning.result.types import Range, Region
 
 SAME_PLACE = 0.1

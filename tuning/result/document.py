@@ -12,8 +12,9 @@ import pydantic
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.numerics.files import write_whole
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, QUANTITIES, exact, quantity, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, QUANTITIES, quantity, replace
 from tuning.loop.margins import Margins
 from tuning.loop.worst_margins import WorstMargin
 from tuning.result.json_file import read_json

@@ -50,7 +50,7 @@ def design(
     from identification.next_run.excitation import catalogue
     from identification.next_run.next_experiment import propose
     from scdpr_jax.numerics.files import whole_file, write_whole
-    from scdpr_jax.robot.parameters import value
+    from scdpr_jax.robot.quantities import value
 
     found = read_parameters(parameters)
     rig = known_rig(

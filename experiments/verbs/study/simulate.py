@@ -47,7 +47,7 @@ def simulate(
     write_whole(out / "simulation.csv", simulated_run.table(run, commanded))
     x = np.asarray(run.states.position)[:, 0]
     rested = np.asarray(run.time) >= float(run.time[-1]) - simulated_run.HOLD
-    pose = np.asarray(run.states.position)[:, [0, 4]]
+    pose = np.asarray(run.states.pose)
     error = np.hypot(*(commanded - pose).T)
     OUT.print(
         f"Largest error, Eq. (26): {1e3 * error.max():.1f} mm. Vibration after the arrival: "

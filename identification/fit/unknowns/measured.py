@@ -18,7 +18,8 @@ from jaxtyping import Array, Float
 from identification.fit.unknowns.unknowns import PER_SETTING, apply
 from scdpr_jax.linear.modes import BOTH_HELD, Condition, natural_frequencies
 from scdpr_jax.robot.fields import real
-from scdpr_jax.robot.parameters import Robot, quantity, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity, value
 
 
 class Measured(eqx.Module):
@@ -62,7 +63,7 @@ class MeasuredQuantity(Measured):
     """One of the robot's named quantities."""
 
     quantity: str = eqx.field(static=True)
-    """Its name, see `scdpr_jax.robot.parameters.QUANTITIES`."""
+    """Its name, see `scdpr_jax.robot.quantities.QUANTITIES`."""
     value: Float[Array, ""] = eqx.field(converter=real)
     sigma: Float[Array, ""] = eqx.field(converter=real)
     setting: str | None = eqx.field(static=True, default=None)

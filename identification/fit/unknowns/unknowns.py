@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from identification.campaign.types import Run
-from scdpr_jax.robot.parameters import Robot, quantity, replace, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity, replace, value
 
 PER_SETTING = "effective_pretension"
 """The quantity that every nominal pretension has its own value of."""

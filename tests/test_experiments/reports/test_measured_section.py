@@ -7,7 +7,7 @@ from report_samples import estimate
 from experiments.files.parameters_file import read_parameters, write_parameters
 from experiments.reports.measured_section import contradictions, measured_tables
 from identification.fit.unknowns.measured import MeasuredQuantity, deviation
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 OWN = float(value(estimate().robot, "end_effector_mass"))
 

@@ -14,6 +14,7 @@ from experiments.reports.verdict import (
     predictions,
     words,
 )
+from scdpr_jax.robot.state import pose
 
 
 def said(found, **changes):
@@ -96,7 +97,7 @@ def test_the_error_of_a_prediction_is_the_distance_in_the_plane():
     one = prediction(dataclasses.replace(run, measured=measured), radius=0.073)
     assert one.error == pytest.approx(5e-3, rel=1e-9)  # differences of metres, in f64
     assert one.largest == pytest.approx(5e-3, rel=1e-9)
-    moved = np.linalg.norm(np.ptp(run.simulated[:, [0, 4]], axis=0))
+    moved = np.linalg.norm(np.ptp(pose(run.simulated), axis=0))
     assert one.share == pytest.approx(5e-3 / moved, rel=1e-9)
 
 

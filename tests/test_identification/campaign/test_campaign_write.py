@@ -23,7 +23,7 @@ from identification.campaign.types import (
     encoder_resolution,
 )
 from identification.campaign.write import write_campaign
-from scdpr_jax.robot.parameters import QUANTITIES
+from scdpr_jax.robot.quantities import QUANTITIES
 
 SHARED = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "campaigns"
 

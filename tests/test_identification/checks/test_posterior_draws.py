@@ -13,7 +13,7 @@ from identification.checks import posterior as module
 from identification.checks.posterior import posterior, require_numpyro
 from identification.fit.unknowns.measured import MeasuredQuantity
 from identification.result.estimate import estimate, solved
-from scdpr_jax.robot.parameters import replace
+from scdpr_jax.robot.quantities import replace
 
 FREE = ("drive_inertia", "drive_damping", "drive_friction")
 

@@ -17,8 +17,8 @@ from identification.knocks.frequency_map import (
     write_frequencies,
 )
 from scdpr_jax.robot.cable import potential
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 CAMPAIGNS = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "campaigns"
 HEADER = (

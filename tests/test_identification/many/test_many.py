@@ -15,8 +15,9 @@ from identification.many.short_runs import (
     _residuals,
     estimate_many,
 )
-from scdpr_jax.robot.parameters import exact, replace, value
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
 
 INTERVAL, INTERVALS = 5e-3, 200
 SIGMA = np.array([6.8e-5, 6.8e-5, 1.9e-4, 2e-3, 1.9e-4, 1.9e-4])

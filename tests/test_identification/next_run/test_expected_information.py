@@ -11,7 +11,8 @@ from identification.next_run.excitation import Excitation
 from identification.next_run.expected_information import Rig, expected, motion, rig_errors
 from identification.next_run.next_experiment import stacked
 from identification.result.estimate import estimate
-from scdpr_jax.robot.parameters import exact, value
+from scdpr_jax.robot.parameters import exact
+from scdpr_jax.robot.quantities import value
 
 SPREAD = np.array([0.02, 0.01, 0.01, 5e-3, 0.02])
 """What is known before, in the order of `DEFAULT_FREE`: far less than a run tells."""

@@ -17,9 +17,11 @@ from scdpr_jax.engines.adaptive import (
 )
 from scdpr_jax.engines.closed_loop import closed_loop
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, dampings, energy, pulley_rates, rest
-from scdpr_jax.robot.parameters import exact, replace, smoothed, value
+from scdpr_jax.robot.dynamics import dampings, energy, pulley_rates
+from scdpr_jax.robot.parameters import exact, smoothed
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import State, rest
 
 ROBOT = consistent()
 FRICTIONLESS = replace(smoothed(ROBOT), {"friction_coefficient": 0.0})

@@ -17,9 +17,11 @@ from scdpr_jax.linear.model import (
 )
 from scdpr_jax.robot.cable import potential
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, accelerations, masses
-from scdpr_jax.robot.parameters import replace, smoothed
+from scdpr_jax.robot.dynamics import accelerations, masses
+from scdpr_jax.robot.parameters import smoothed
 from scdpr_jax.robot.prototype import consistent, published
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import State
 
 EPS = float(np.finfo(float).eps)
 FRICTIONLESS = replace(consistent(), {"friction_coefficient": 0.0})

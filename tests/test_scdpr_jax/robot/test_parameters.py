@@ -12,8 +12,9 @@ import pytest
 from hypothesis import strategies as st
 
 from scdpr_jax.robot.friction import Coulomb, SmoothCoulomb
-from scdpr_jax.robot.parameters import QUANTITIES, exact, quantity, replace, smoothed, value
+from scdpr_jax.robot.parameters import exact, smoothed
 from scdpr_jax.robot.prototype import PROVENANCE, consistent, published
+from scdpr_jax.robot.quantities import QUANTITIES, quantity, replace, value
 
 ROBOT_KEYS = (
     "frame_width",

@@ -11,8 +11,9 @@ import pytest
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.shaper import ShapedTrajectory
 from scdpr_jax.command.trajectory import BezierLeg, rest_to_rest
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from tuning.codesign import (
     co_design,
     evaluate,

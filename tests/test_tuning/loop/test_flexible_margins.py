@@ -7,8 +7,9 @@ import scipy.linalg
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.linear.model import linearise
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from tuning.loop.flexible_loop import (
     JOINT_LOOPS,
     LIFTING,

@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 from jax.test_util import check_grads
 
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, accelerations, rest
-from scdpr_jax.robot.parameters import replace
+from scdpr_jax.robot.dynamics import accelerations
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import State, driven, rest
 from tuning.plan.feedforward import Motion, inverse_dynamics
 
 SPEED = st.floats(0.1, 1.2) | st.floats(-1.2, -0.1)
@@ -21,7 +22,7 @@ def volts_and_answer(robot, state, wanted):
     voltage = inverse_dynamics(robot, state, wanted)
     torque = motor_torque(robot.drive, voltage)
     answer = accelerations(robot, state, torque=torque, knock=jnp.zeros(()))
-    return voltage, answer[jnp.asarray((2, 4))]
+    return voltage, driven(answer)
 
 
 @given(SPEED, SPEED, RATE, RATE, st.floats(-0.03, 0.03), st.sampled_from([0.0, 0.05]))
@@ -30,9 +31,7 @@ def test_the_commands_give_the_accelerations_that_were_wanted(v_3, v_y, a_3, a_y
     robot = replace(consistent(), {"drive_friction": dry, "voltage_limit": 100.0})
     at = rest(robot, jnp.asarray(1.0), jnp.asarray(1.0 + lag), jnp.asarray(0.5))
     velocity = jnp.asarray([0.9 * v_3, 0.1, v_3, v_3, v_y])
-    wanted = Motion(
-        at.position[jnp.asarray((2, 4))], velocity[jnp.asarray((2, 4))], jnp.asarray([a_3, a_y])
-    )
+    wanted = Motion(at.driven, driven(velocity), jnp.asarray([a_3, a_y]))
     _, answer = volts_and_answer(robot, State(at.position, velocity), wanted)
     # tanh of 50 widths is 1 to the last digit; the sums are of some 100 N.
     assert jnp.max(jnp.abs(answer - wanted.acceleration)) < 1e-11

@@ -8,9 +8,10 @@ import pytest
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import closed_loop
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import rest
 from tuning.plan.planning import ORDERS, Pace, chosen_pace, plan_leg
 
 NUMBERS = {

@@ -5,8 +5,9 @@ import jax
 import pytest
 
 from scdpr_jax.command.controller import published_pd
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, exact, replace, value
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace, value
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
 from tuning.loop.worst_margins import WorstMargin

@@ -11,8 +11,8 @@ from experiments.paper.topics.breakaway.numbers import (
     printed_force,
     unbiased_force,
 )
-from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import value
 
 
 def fig10(picture: Pictures) -> Content:

@@ -7,8 +7,8 @@ from experiments.paper.topics.prototype.numbers import derived_consistently
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.sensors import Camera, Encoder
 from scdpr_jax.robot.loop_elasticity import consistent_section
-from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import value
 
 
 def _given(where: str, what: str, printed: str, unit: str, held: Callable[[], float]) -> Claim:

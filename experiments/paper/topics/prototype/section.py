@@ -8,8 +8,8 @@ from experiments.paper.topics.prototype.numbers import (
     derived_as_printed,
     derived_consistently,
 )
-from scdpr_jax.robot.parameters import quantity
 from scdpr_jax.robot.prototype import PROVENANCE
+from scdpr_jax.robot.quantities import quantity
 
 _DERIVED = (
     ("reflected_inertia", "both drives' inertia at the cable, 2J/r²", "kg"),

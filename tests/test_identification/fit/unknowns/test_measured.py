@@ -20,9 +20,9 @@ from identification.fit.unknowns.measured_text import parse_measured
 from identification.fit.unknowns.unknowns import DEFAULT_FREE
 from scdpr_jax.engines.stepping import Inputs, simulate
 from scdpr_jax.linear.modes import BOTH_HELD, held_frequency, natural_frequencies
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import replace, value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import rest
 
 SETTING = "350 N"
 

@@ -13,8 +13,8 @@ from identification.fit.unknowns.unknowns import (
     layout,
     start_values,
 )
-from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import value
 
 
 def test_every_setting_has_its_own_pretension():
