@@ -1,25 +1,20 @@
-"""From a campaign to its parameters, frequencies, controller and report."""
+"""From a campaign to its parameters, frequencies, gains and shapers."""
 
 import concurrent.futures
 import dataclasses
-import pathlib
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from experiments.files.parameters_file import write_parameters
-from experiments.reports.report import write_report
 from experiments.runtime import stage
 from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured
-from identification.knocks.frequency_map import FrequencyMap, frequency_map, write_frequencies
+from identification.knocks.frequency_map import FrequencyMap, frequency_map
 from identification.result.estimate import Estimate, estimate
 from scdpr_jax.robot.prototype import consistent
-from tuning.export import write_exports
 from tuning.gains.optimise import LEG_TIMES, Effort
 from tuning.gains.tune import prepare, tune
-from tuning.result.document import write_tuning
 from tuning.result.types import Tuning
 
 Progress = Callable[[str, float], None]
@@ -129,59 +124,6 @@ def calibrate(
         progress=stage(progress, 0.75, 0.95),
     )
     return Calibration(campaign, found, frequencies, tuned, tuple(notes))
-
-
-def write_calibration(
-    calibration: Calibration, out: pathlib.Path, *, truth: dict[str, float] | None = None
-) -> tuple[pathlib.Path, ...]:
-    """Write everything that a calibration gives, each file whole or not at all.
-
-    Args:
-        calibration: The calibration.
-        out: The folder.
-        truth: True values by name, where they are known.
-
-    Returns:
-        The files, the report first.
-    """
-    report = out / "report.html"
-    parameters = out / "parameters.json"
-    written = [report, parameters]
-    write_parameters(parameters, calibration.estimate)
-    if calibration.frequencies is not None:
-        frequencies = out / "frequencies.csv"
-        write_frequencies(calibration.frequencies, frequencies)
-        written.append(frequencies)
-    written += write_tuned(out, calibration.tuning)
-    write_report(
-        report,
-        title=f"Calibration of {calibration.campaign.name}",
-        campaign=calibration.campaign,
-        estimate=calibration.estimate,
-        frequencies=calibration.frequencies,
-        tuning=calibration.tuning,
-        truth=truth,
-        notes=list(calibration.notes),
-    )
-    return tuple(written)
-
-
-def write_tuned(out: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, ...]:
-    """Write `tuning.json`, and beside it the tuning as other programs run it.
-
-    Args:
-        out: The folder; the other programs' files go into its `export`.
-        tuning: The tuning.
-
-    Returns:
-        The files, `tuning.json` first.
-
-    Raises:
-        ValueError: If the tuning has no fitted robot, or no shaper.
-    """
-    own = out / "tuning.json"
-    write_tuning(own, tuning)
-    return (own, *write_exports(out / "export", tuning))
 
 
 def _notes(campaign: Campaign, found: Estimate) -> list[str]:

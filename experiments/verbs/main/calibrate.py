@@ -36,6 +36,7 @@ def calibrate(
     """
     set_up()
     from experiments.reports import summary
+    from experiments.reports.written_files import write_calibration
     from experiments.studies import pipeline
     from identification.campaign import read_campaign
     from identification.fit.unknowns.measured_text import parse_measured
@@ -53,7 +54,7 @@ def calibrate(
             progress=stage(progress, 0.0, 0.93),
         )
         progress("report", 0.93)
-        written = pipeline.write_calibration(calibration, out)
+        written = write_calibration(calibration, out)
     summary.show(
         OUT,
         calibration.estimate,
@@ -63,10 +64,10 @@ def calibrate(
     )
     for note in calibration.notes:
         OUT.print(f"note: {note}")
-    wrote(*written)
+    wrote(*written.paths)
     suggest(
-        f"open {written[0]}",
-        f"scdpr simulate --parameters {written[1]} --out DIR",
-        plan_call(written[3]),
+        f"open {written.report}",
+        f"scdpr simulate --parameters {written.parameters} --out DIR",
+        plan_call(written.tuning.tuning),
     )
     return DONE

@@ -16,7 +16,8 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
     """
     set_up()
     from experiments.reports import summary
-    from experiments.studies.pipeline import calibrate, write_calibration
+    from experiments.reports.written_files import write_calibration
+    from experiments.studies.pipeline import calibrate
     from experiments.virtual_rig import rig
     from identification.campaign import read_campaign, write_campaign
     from tuning.gains.optimise import LEG_TIMES, Effort
@@ -49,8 +50,10 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         truth=truth.values,
         tuning=calibration.tuning,
     )
-    wrote(logs, *written)
+    wrote(logs, *written.paths)
     suggest(
-        f"open {written[0]}", f"scdpr check {logs}", "scdpr calibrate YOUR-CAMPAIGN --out DIR"
+        f"open {written.report}",
+        f"scdpr check {logs}",
+        "scdpr calibrate YOUR-CAMPAIGN --out DIR",
     )
     return DONE if summary.covers(calibration.estimate, truth.values) else FELL_SHORT
