@@ -4,17 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from experiments.page.page import Picture, Pictures
-
-
-class Table(NamedTuple):
-    """A table of a section."""
-
-    title: str
-    """What it shows."""
-    header: tuple[str, ...]
-    """Names of its columns, units included."""
-    rows: tuple[tuple[str, ...], ...]
-    """Its cells."""
+from experiments.page.table import Table
 
 
 class Content(NamedTuple):

@@ -4,7 +4,8 @@ import math
 from typing import NamedTuple
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 
 
 class Contradiction(NamedTuple):

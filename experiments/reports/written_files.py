@@ -5,7 +5,7 @@ import pathlib
 
 from experiments.files.parameters_file import write_parameters
 from experiments.reports.report import write_report
-from experiments.studies.pipeline import Calibration
+from experiments.studies.findings import Findings
 from identification.knocks.frequency_map import write_frequencies
 from tuning.export import write_exports
 from tuning.result.document import write_tuning
@@ -48,34 +48,30 @@ class CalibrationFiles:
 
 
 def write_calibration(
-    calibration: Calibration, out: pathlib.Path, *, truth: dict[str, float] | None = None
+    findings: Findings, out: pathlib.Path, *, truth: dict[str, float] | None = None
 ) -> CalibrationFiles:
     """Write everything that a calibration gives, each file whole or not at all.
 
     Args:
-        calibration: The calibration.
+        findings: What it comes to, gains and shapers among it.
         out: The folder.
         truth: True values by name, where they are known.
 
     Returns:
         The files.
     """
-    mapped = calibration.frequencies is not None
+    mapped = findings.frequencies is not None
     parameters = out / "parameters.json"
-    write_parameters(parameters, calibration.estimate)
+    write_parameters(parameters, findings.estimate)
     if mapped:
-        write_frequencies(calibration.frequencies, out / "frequencies.csv")
-    tuning = write_tuned(out, calibration.tuning)
+        write_frequencies(findings.frequencies, out / "frequencies.csv")
+    tuning = write_tuned(out, findings.tuning.tuning)
     report = out / "report.html"
     write_report(
         report,
-        title=f"Calibration of {calibration.campaign.name}",
-        campaign=calibration.campaign,
-        estimate=calibration.estimate,
-        frequencies=calibration.frequencies,
-        tuning=calibration.tuning,
+        findings,
+        title=f"Calibration of {findings.campaign.name}",
         truth=truth,
-        notes=list(calibration.notes),
     )
     return CalibrationFiles(
         report, parameters, out / "frequencies.csv" if mapped else None, tuning

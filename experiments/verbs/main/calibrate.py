@@ -45,7 +45,7 @@ def calibrate(
     otherwise = tuple(map(parse_measured, measured))
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
-        calibration = pipeline.calibrate(
+        findings = pipeline.calibrate(
             read,
             free=free or None,
             hold_out=hold_out,
@@ -54,15 +54,9 @@ def calibrate(
             progress=stage(progress, 0.0, 0.93),
         )
         progress("report", 0.93)
-        written = write_calibration(calibration, out)
-    summary.show(
-        OUT,
-        calibration.estimate,
-        campaign=calibration.campaign,
-        frequencies=calibration.frequencies,
-        tuning=calibration.tuning,
-    )
-    for note in calibration.notes:
+        written = write_calibration(findings, out)
+    summary.show(OUT, findings)
+    for note in findings.notes:
         OUT.print(f"note: {note}")
     wrote(*written.paths)
     suggest(
