@@ -13,7 +13,7 @@ from scdpr_jax.robot.drive import drive_pole
 from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent, published
 
-LOOP: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     Claim(
         "eq24",
         "(24)",
