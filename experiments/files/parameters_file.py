@@ -11,7 +11,7 @@ import numpy as np
 import pydantic
 from jaxtyping import Float
 
-from experiments.reports.measured_section import fitted
+from experiments.studies.findings.measured import measured_fits
 from identification.axis.drive_axis import DriveAxisEstimate
 from identification.axis.law import AxisLaws
 from identification.checks.posterior import Posterior
@@ -117,14 +117,14 @@ def write_parameters(
         "posterior": [] if posterior is None else _posterior(posterior),
         "measured_otherwise": [
             {
-                "name": one.name,
-                "setting": one.setting,
-                "value": float(one.value),
-                "sigma": float(one.sigma),
-                "unit": one.unit,
-                "fitted": value,
+                "name": fit.measured.name,
+                "setting": fit.measured.setting,
+                "value": float(fit.measured.value),
+                "sigma": float(fit.measured.sigma),
+                "unit": fit.measured.unit,
+                "fitted": fit.value,
             }
-            for one, value, _ in fitted(estimate)
+            for fit in measured_fits(estimate)
         ],
         "models": [
             dataclasses.asdict(model) | {"chosen": number == estimate.choice}

@@ -7,12 +7,12 @@ from rich.console import Console
 
 from experiments.figures.tuning.margin_curves import margin_curves
 from experiments.figures.tuning.pareto import pareto
-from experiments.page.console_text import print_lines, rich_table
+from experiments.page.console_text import print_lines, print_table
 from experiments.page.number_text import plain, short
 from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
-from experiments.reports.tuning_section import worst_margins_sentence
 from experiments.studies.codesign_run import DESIGNED, CoDesign
+from experiments.studies.findings.tuning import worst_margins_sentence
 from tuning.codesign import Designed
 from tuning.loop.admissible import PEAK_SENSITIVITY, PHASE_MARGIN
 from tuning.loop.worst_margins import margin_map
@@ -161,7 +161,7 @@ def show(console: Console, found: CoDesign) -> None:
         found: The co-design.
     """
     for table in tables(found):
-        console.print(rich_table(table))
+        print_table(console, table)
     print_lines(console, sentences(found))
 
 

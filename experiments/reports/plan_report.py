@@ -4,7 +4,7 @@ import numpy as np
 from rich.console import Console
 
 from experiments.figures.tuning.leg import leg
-from experiments.page.console_text import print_lines, rich_table
+from experiments.page.console_text import print_lines, print_table
 from experiments.page.number_text import plain
 from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
@@ -112,7 +112,7 @@ def show(console: Console, plan: Plan, compared: Compared, *, voltage_limit: flo
         voltage_limit: Largest command of either sign [V].
     """
     for table in tables(compared):
-        console.print(rich_table(table))
+        print_table(console, table)
     print_lines(console, sentences(plan, compared, voltage_limit=voltage_limit))
 
 

@@ -19,7 +19,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from experiments.virtual_rig.rig import COUNTS_PER_REV, Truth
+from experiments.virtual_rig.rig import Truth
+from experiments.virtual_rig.simulated import COUNTS_PER_REV
 from identification.axis.motion import AxisParameters, axis_positions
 from identification.campaign import CameraStream, Campaign, DriveStream, Knock, Run
 from identification.campaign.types import default_sensors, encoder_resolution

@@ -12,6 +12,7 @@ from identification.judge.identifiability import Combination, Identifiability
 from identification.judge.influence import Influence
 from identification.judge.uncertainty import ParameterEstimate
 from identification.knocks.frequency_map import FrequencyMap
+from identification.knocks.ring_down import ring_down
 from identification.result.estimate import Estimate, Fit
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
@@ -266,7 +267,14 @@ def frequencies():
         fft_frequency=np.array([3.19]),
         residuals_are_noise=np.array([True]),
         runs=("0003-pseudo-impulse",),
+        ring_downs=(knock_ring_down(),),
     )
+
+
+def knock_ring_down():
+    """The ring-down of the campaign's knock."""
+    camera = campaign().runs[2].camera
+    return ring_down(camera.time, camera.position[:, 0], noise_sigma=CAMERA_SIGMA, after=0.43)
 
 
 def tracking_run(*, swing):

@@ -1,22 +1,10 @@
 from report_samples import compared_models, estimate
 
-from experiments.reports.model_section import (
-    model_tables,
-    moved_table,
-    told_combinations,
-    verdict_on_models,
-)
+from experiments.reports.model_tables import model_tables, moved_table
 
 
 def test_a_usual_model_that_is_enough_is_not_compared():
     assert model_tables(estimate()) == ()
-    assert verdict_on_models(estimate()) == ()
-
-
-def test_the_verdict_names_what_the_usual_model_lacks_and_what_that_is_worth():
-    (told,) = verdict_on_models(estimate(models=compared_models()))
-    assert "lacks a tension that rises as the loop's path gets longer" in told
-    assert "2.30 mm rms, the usual one to 7.70 mm" in told
 
 
 def test_the_chosen_model_is_marked_and_the_others_are_held_against_it():
@@ -31,9 +19,3 @@ def test_every_sensor_of_a_run_that_anything_moves_has_a_row():
         ("0001-manoeuvre", "encoders"),
         ("0001-manoeuvre", "camera"),
     ]
-
-
-def test_what_the_logs_cannot_tell_is_said_in_words():
-    (told,) = told_combinations(estimate().identifiability)
-    assert told.startswith("These logs can't tell")
-    assert "35 %" in told

@@ -2,7 +2,7 @@
 
 import jax.numpy as jnp
 
-from experiments.studies.pipeline import write_tuned
+from experiments.reports.written_files import write_tuned
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.robot.parameters import exact
@@ -26,6 +26,7 @@ def test_every_file_of_a_tuning_is_named_tuning_json_first(tmp_path):
     margins = Margins(*(jnp.asarray(number) for number in (40.0, 1.0, 0.02, 700.0, 30.0, 1.3)))
     robots = (FittedSetting(350.0, exact(consistent())),)
     written = write_tuned(tmp_path, Tuning(published_pd(), margins, (SHAPER,), (), robots))
-    assert written[0] == tmp_path / "tuning.json"
-    assert set(written) == {path for path in tmp_path.rglob("*") if path.is_file()}
-    assert {path.parent.name for path in written[1:]} == {"export"}
+    assert written.tuning == tmp_path / "tuning.json"
+    assert written.paths[0] == written.tuning
+    assert set(written.paths) == {path for path in tmp_path.rglob("*") if path.is_file()}
+    assert {path.parent.name for path in written.exports} == {"export"}

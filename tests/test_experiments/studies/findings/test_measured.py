@@ -5,7 +5,9 @@ import pytest
 from report_samples import estimate
 
 from experiments.files.parameters_file import read_parameters, write_parameters
-from experiments.reports.measured_section import contradictions, measured_tables
+from experiments.reports.model_tables import measured_tables
+from experiments.studies.findings import findings
+from experiments.studies.findings.measured import measured_fits
 from identification.fit.unknowns.measured import MeasuredQuantity, deviation
 from scdpr_jax.robot.quantities import value
 
@@ -19,15 +21,18 @@ def measured(*, off):
 
 
 def test_what_was_measured_otherwise_stands_beside_the_fit():
-    assert measured_tables(estimate()) == ()
-    (table,) = measured_tables(measured(off=1.0))
+    assert measured_tables(measured_fits(estimate())) == ()
+    (table,) = measured_tables(measured_fits(measured(off=1.0)))
     assert table.rows == (
         ("end effector mass", "", f"{OWN - 0.01:.3f}", "0.010", f"{OWN:.3f}", "kg", "1.00"),
     )
 
 
 def test_only_what_the_logs_contradict_is_told():
-    assert contradictions(measured(off=2.9)) == ()
+    def contradictions(made):
+        return [line for line in findings(made).words.sure if "contradict" in line]
+
+    assert contradictions(measured(off=2.9)) == []
     (told,) = contradictions(measured(off=4.0))
     assert "end effector mass" in told
     assert "4.0 of its standard errors off" in told

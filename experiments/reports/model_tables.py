@@ -1,10 +1,11 @@
-"""What the logs can tell of which quantity, and which model explains them, as tables."""
+"""Models compared, what was measured otherwise, and what the logs can tell, as tables."""
 
 import math
 from collections.abc import Sequence
 
-from experiments.page.number_text import plain, rounded
+from experiments.page.number_text import plain, readable_unit, rounded
 from experiments.page.table import Table
+from experiments.studies.findings.measured import MeasuredFit
 from identification.checks.posterior import Posterior
 from identification.checks.profile import Profile
 from identification.fit.unknowns.models import Model
@@ -50,40 +51,37 @@ def _label(model: Model) -> str:
     return "the usual model" if not model.added else f"and {model.added[-1]}"
 
 
-def verdict_on_models(estimate: Estimate) -> tuple[str, ...]:
-    """What the usual model lacks, in words.
+def measured_tables(fits: Sequence[MeasuredFit]) -> tuple[Table, ...]:
+    """What was measured otherwise, beside the fit.
 
     Args:
-        estimate: The estimate.
+        fits: The numbers.
 
     Returns:
-        A sentence, or none where the usual model is enough.
+        One table, or none where nothing was.
     """
-    if not estimate.models:
-        return ()
-    usual, best = estimate.models[0], estimate.models[estimate.choice]
-    by = (
-        ""
-        if best.path_error is None
-        else (
-            f" It predicts the end-effector's path in the held-out runs to "
-            f"{plain(1e3 * best.path_error, 3)} mm rms, the usual one to "
-            f"{plain(1e3 * usual.path_error, 3)} mm."
+    rows = tuple(
+        (
+            fit.measured.name.replace("_", " "),
+            fit.measured.setting or "",
+            rounded(float(fit.measured.value), float(fit.measured.sigma)),
+            rounded(float(fit.measured.sigma), float(fit.measured.sigma)),
+            rounded(fit.value, float(fit.measured.sigma)),
+            "" if fit.measured.unit == "1" else readable_unit(fit.measured.unit),
+            plain(fit.deviation, 2),
         )
+        for fit in fits
     )
-    if not best.added:
-        return (
-            f"Of {len(estimate.models)} models none is better than the usual one, though it "
-            f"leaves more than noise: what it lacks isn't among what was tried.{by}",
-        )
-    return (f"The usual model lacks {'; '.join(best.added)}.{by}",)
+    header = ("what", "at", "measured", "± σ", "fitted", "unit", "apart [σ]")
+    title = "Measured otherwise, and what the fit makes of it"
+    return (Table(title, header, rows),) if rows else ()
 
 
-def moved_table(found: Identifiability) -> Table:
+def moved_table(identifiable: Identifiability) -> Table:
     """Which quantity moves which sensor in which run.
 
     Args:
-        found: What the logs can tell.
+        identifiable: What the logs can tell.
 
     Returns:
         By how many standard deviations of the noise 1 % of each quantity moves them.
@@ -91,10 +89,10 @@ def moved_table(found: Identifiability) -> Table:
     header = (
         "run",
         "sensor",
-        *(name.replace("_", " ") + (f" {s}" if s else "") for name, s in found.names),
+        *(name.replace("_", " ") + (f" {s}" if s else "") for name, s in identifiable.names),
     )
     rows = []
-    for run, groups in zip(found.runs, found.moved, strict=True):
+    for run, groups in zip(identifiable.runs, identifiable.moved, strict=True):
         for sensor, moved in zip(SENSORS, groups, strict=True):
             if moved.any():
                 rows.append((run, sensor, *map(_standard_deviations, moved.tolist())))
@@ -109,33 +107,6 @@ def moved_table(found: Identifiability) -> Table:
 def _standard_deviations(moved: float) -> str:
     """What is below a hundredth of the noise can't be seen, however far below."""
     return "< 0.01" if 0 < moved < 0.01 else plain(moved, 2)
-
-
-def told_combinations(found: Identifiability) -> tuple[str, ...]:
-    """What these logs tell, and what they can't, in words.
-
-    Args:
-        found: What the logs can tell.
-
-    Returns:
-        A sentence on each combination that they don't tell; on the worst one otherwise.
-    """
-    untold = found.untold()
-    if not untold:
-        worst = found.combinations[-1]
-        return (
-            f"These logs tell all {len(found.names)} quantities apart; the least sharp is "
-            f"{worst.text()}, {plain(1e2 * worst.sigma, 2)} % by the noise alone.",
-        )
-    return tuple(
-        f"These logs can't tell {one.text()}: "
-        + (
-            "nothing that was measured changes with it."
-            if one.sigma == float("inf")
-            else f"its standard error is {plain(1e2 * one.sigma, 2)} % by the noise alone."
-        )
-        for one in untold
-    )
 
 
 def profile_table(profiles: Sequence[Profile]) -> Table:
