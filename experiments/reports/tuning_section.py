@@ -77,15 +77,15 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
     Returns:
         Sentences.
     """
-    margin = plain(float(np.degrees(tuning.loop.margins.phase_margin)), 3)
+    margin = plain(float(np.degrees(tuning.margins.phase_margin)), 3)
     controller = tuning.controller
     sentences = [
         f"PD gains {short(float(controller.proportional_gain), 5)} V/rad and "
         f"{short(float(controller.derivative_gain), 5)} V s/rad, with {margin}° of phase "
         "margin of a bare drive as sampled.",
     ]
-    if tuning.loop.worst_margins:
-        sentences.append(worst_margins_sentence(tuning.loop.worst_margins))
+    if tuning.worst_margins:
+        sentences.append(worst_margins_sentence(tuning.worst_margins))
     for one in tuning.predicted:
         before, after = one.before.residual_vibration, one.after.residual_vibration
         sentences.append(
@@ -177,7 +177,7 @@ def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
 
 
 def _gains(tuning: Tuning) -> Table:
-    controller, margins = tuning.controller, tuning.loop.margins
+    controller, margins = tuning.controller, tuning.margins
     gain_margin = float(margins.gain_margin)
     return Table(
         "Controller of both drives",
@@ -276,11 +276,11 @@ def _pictures(
 ) -> Iterator[Picture]:
     drive = robot.drive
     plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
-    crossover = float(tuning.loop.margins.gain_crossover)
+    crossover = float(tuning.margins.gain_crossover)
     if np.isfinite(crossover):
         loop = open_loop(plant, tuning.controller, delay=DELAY, crossover=crossover)
         yield picture(
-            bode(loop, tuning.loop.margins),
+            bode(loop, tuning.margins),
             "Open loop of a drive as the controller runs it, sampled and one sample late. The "
             "thick bars are the margins; the further from zero, the safer.",
             narrow=True,

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.engines.stepping import friction_coefficients
 from scdpr_jax.robot.cable import loop_forces
-from scdpr_jax.robot.dynamics import State, dampings, gravity_force, masses, pulley_rates
+from scdpr_jax.robot.dynamics import State, dampings, drive_friction, gravity_force, masses
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 
@@ -40,7 +40,7 @@ def inverse_dynamics(robot: Robot, state: State, wanted: Motion) -> Float[Array,
     $$ f = m \ddot q + d \dot q + \mu N \tanh(\dot q / v_s) + \partial V / \partial q,
        \qquad \tau = \tfrac{r}{2} [f_3 + f_y,\; f_3 - f_y] $$
 
-    with the friction of the lower carriage only, and the drives' own added to $\tau$.
+    with the friction of the lower carriage only, and each drive's own added to its $\tau$.
 
     Args:
         robot: The robot.
@@ -60,5 +60,4 @@ def inverse_dynamics(robot: Robot, state: State, wanted: Motion) -> Float[Array,
     force = (inertial + viscous - pull).at[0].add(dry)
     torque = drive.effective_radius / 2 * jnp.stack([force[0] + force[1], force[0] - force[1]])
     moving = jnp.zeros(5, dtype=force.dtype).at[coordinates].set(wanted.velocity)
-    own = drive.friction * jnp.tanh(pulley_rates(robot, moving) / drive.friction_width)
-    return (torque + own) / drive.torque_per_volt
+    return (torque + drive_friction(robot, moving)) / drive.torque_per_volt

@@ -57,10 +57,10 @@ def tuning_document(tuning: Tuning) -> str:
             "period": {"value": float(controller.period), "unit": "s"},
             "filter_time": {"value": float(controller.filter_time), "unit": "s"},
             "margins": {
-                field.name: _finite(float(getattr(tuning.loop.margins, field.name)))
+                field.name: _finite(float(getattr(tuning.margins, field.name)))
                 for field in dataclasses.fields(Margins)
             }
-            | {"flexible": [_worst(one) for one in tuning.loop.worst_margins]},
+            | {"flexible": [_worst(one) for one in tuning.worst_margins]},
         },
         "shapers": [_shaper(regional) for regional in tuning.shapers],
         "robots": [_robot(known) for known in tuning.robots],
