@@ -39,7 +39,7 @@ from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.robot.parameters import Robot, value
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 RUNS_DRAWN = 8
 """Runs that are drawn one by one: more would make the page heavy without telling more."""

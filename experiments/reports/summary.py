@@ -23,7 +23,7 @@ from identification.checks.posterior import Posterior
 from identification.checks.profile import Profile
 from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 _STYLES = {
     "identified": "green",

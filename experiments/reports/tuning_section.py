@@ -19,7 +19,9 @@ from tuning.loop.plant import MotorPlant
 from tuning.loop.worst_margins import WorstMargin, margin_map
 from tuning.regions.residual_map import ResidualMap, WorstResidual, residual_map
 from tuning.regions.schedule import regions_at
-from tuning.result.types import Metrics, RegionalShaper, Tuning
+from tuning.result.prediction import Metrics
+from tuning.result.regional_shaper import RegionalShaper
+from tuning.result.tuning import Tuning
 
 _TOGETHER = 4
 """Shapers in one figure: more lines can't be told apart."""

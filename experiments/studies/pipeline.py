@@ -20,7 +20,7 @@ from tuning.export import write_exports
 from tuning.gains.optimise import LEG_TIMES, Effort
 from tuning.gains.tune import prepare, tune
 from tuning.result.document import write_tuning
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 Progress = Callable[[str, float], None]
 

@@ -34,8 +34,8 @@ class Motion(eqx.Module):
     """Accelerations [m/s²]."""
 
 
-def inverse_dynamics(robot: Robot, state: State, wanted: Motion) -> Float[Array, "2"]:
-    r"""Commands under which lower carriage and height accelerate as wanted.
+def inverse_dynamics(robot: Robot, state: State, motion: Motion) -> Float[Array, "2"]:
+    r"""Commands under which lower carriage and height accelerate as motion.
 
     $$ f = m \ddot q + d \dot q + \mu N \tanh(\dot q / v_s) + \partial V / \partial q,
        \qquad \tau = \tfrac{r}{2} [f_3 + f_y,\; f_3 - f_y] $$
@@ -45,7 +45,7 @@ def inverse_dynamics(robot: Robot, state: State, wanted: Motion) -> Float[Array,
     Args:
         robot: The robot.
         state: Its state, of which the loop's pull is taken.
-        wanted: The motion at that moment; its velocity decides which way friction acts.
+        motion: The motion at that moment; its velocity decides which way friction acts.
 
     Returns:
         Commands of both drives, not saturated [V].
@@ -53,11 +53,11 @@ def inverse_dynamics(robot: Robot, state: State, wanted: Motion) -> Float[Array,
     coordinates = jnp.asarray(DRIVEN)
     loop, drive = loop_forces(robot, state.position), robot.drive
     pull = (loop.pull + gravity_force(robot))[coordinates]
-    inertial = masses(robot)[coordinates] * wanted.acceleration
-    viscous = dampings(robot)[coordinates] * wanted.velocity
+    inertial = masses(robot)[coordinates] * motion.acceleration
+    viscous = dampings(robot)[coordinates] * motion.velocity
     limit = friction_coefficients(robot)[0] * loop.normal[0]
-    dry = limit * jnp.tanh(wanted.velocity[0] / TURN_ROUND)
+    dry = limit * jnp.tanh(motion.velocity[0] / TURN_ROUND)
     force = (inertial + viscous - pull).at[0].add(dry)
     torque = drive.effective_radius / 2 * jnp.stack([force[0] + force[1], force[0] - force[1]])
-    moving = jnp.zeros(5, dtype=force.dtype).at[coordinates].set(wanted.velocity)
+    moving = jnp.zeros(5, dtype=force.dtype).at[coordinates].set(motion.velocity)
     return (torque + drive_friction(robot, moving)) / drive.torque_per_volt

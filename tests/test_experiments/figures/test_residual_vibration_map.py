@@ -12,7 +12,7 @@ from experiments.page.page import Pictures
 from experiments.reports.tuning_section import between_the_cells_sentence, tuning_section
 from scdpr_jax.robot.prototype import consistent
 from tuning.regions.residual_map import ResidualMap
-from tuning.result.types import FittedSetting
+from tuning.result.tuning import FittedSetting
 
 
 def made_up(highest, *, pretension=350.0):
