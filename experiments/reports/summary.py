@@ -26,7 +26,7 @@ from identification.axis.law import AxisLaws
 from identification.checks.posterior import Posterior
 from identification.checks.profile import Profile
 from identification.knocks.frequency_map import FrequencyMap
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 _STYLES = {
     "identified": "green",

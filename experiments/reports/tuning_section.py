@@ -17,7 +17,9 @@ from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot
 from tuning.loop.plant import MotorPlant
 from tuning.regions.schedule import regions_at
-from tuning.result.types import Metrics, RegionalShaper, Tuning
+from tuning.result.prediction import Metrics
+from tuning.result.regional_shaper import RegionalShaper
+from tuning.result.tuning import Tuning
 
 _TOGETHER = 4
 """Shapers in one figure: more lines can't be told apart."""

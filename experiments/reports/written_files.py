@@ -9,7 +9,7 @@ from experiments.studies.findings import Findings
 from identification.knocks.frequency_map import write_frequencies
 from tuning.export import write_exports
 from tuning.result.document import write_tuning
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 
 @dataclasses.dataclass(frozen=True)

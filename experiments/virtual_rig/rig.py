@@ -265,12 +265,12 @@ class _Rig:
         time = np.arange(1300) * PERIOD
         voltage = np.where(time >= 0.1, volts, 0.0)
         drive = self.robot.drive
-        axis = AxisParameters(drive.inertia, drive.damping, drive.friction, 0.0)
         torque = motor_torque(drive, jnp.asarray(voltage[:-1]))
-        turned = axis_positions(
-            axis, torque, steps=jnp.full(time.size - 1, PERIOD), start=jnp.zeros(())
+        steps, still = jnp.full(time.size - 1, PERIOD), jnp.zeros(())
+        axes = [AxisParameters(drive.inertia, drive.damping, f, 0.0) for f in drive.frictions]
+        angle = np.stack(
+            [axis_positions(axis, torque, steps=steps, start=still) for axis in axes], axis=1
         )
-        angle = np.repeat(np.asarray(turned)[:, None], 2, axis=1)
         both = np.repeat(voltage[:, None], 2, axis=1)
         return _Logged(self.drive(time, both, angle, None), None)
 

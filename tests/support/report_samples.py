@@ -16,18 +16,15 @@ from identification.knocks.ring_down import ring_down
 from identification.result.estimate import Estimate, Fit
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.legs.leg import Leg
+from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.prototype import consistent
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
-from tuning.result.types import (
-    Metrics,
-    Prediction,
-    Region,
-    RegionalShaper,
-    ResidualVibration,
-    TrackingRun,
-    Tuning,
-)
+from tuning.result.prediction import Metrics, Prediction
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import Tuning
 
 ENCODER_SIGMA, CAMERA_SIGMA, ANGLE_SIGMA = 1e-4, 2e-4, 2e-3
 TRUTH = {"friction_coefficient": 0.01301, "effective_pretension": 85.5}
@@ -282,13 +279,16 @@ def tracking_run(*, swing):
     time = np.arange(200) * 0.01
     along = np.clip(time, 0, 1)
     reference = np.stack([0.3 + along, np.full(200, 0.5)], axis=1)
-    position = reference + np.stack([swing * np.cos(20 * time), np.zeros(200)], axis=1)
-    return TrackingRun(
+    place = reference[:, 0] + swing * np.cos(20 * time)
+    still = np.zeros(200)
+    position = np.stack([place, still, place, place, reference[:, 1]], axis=1)
+    return Leg(
         time=time,
         reference=reference,
         commanded=reference,
-        position=position,
+        states=State(position, np.zeros((200, 5))),
         voltage=np.zeros((199, 2)),
+        measures=LegMeasures(*np.zeros(10)),
     )
 
 

@@ -18,15 +18,9 @@ from scdpr_jax.robot.quantities import EVERY_QUANTITY, QUANTITIES, quantity, rep
 from tuning.loop.margins import Margins
 from tuning.loop.worst_margins import WorstMargin
 from tuning.result.json_file import read_json
-from tuning.result.types import (
-    FittedSetting,
-    Metrics,
-    Prediction,
-    Region,
-    RegionalShaper,
-    ResidualVibration,
-    Tuning,
-)
+from tuning.result.prediction import Metrics, Prediction
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 
 _Span = tuple[pydantic.FiniteFloat, pydantic.FiniteFloat]
 

@@ -18,7 +18,7 @@ from experiments.studies.findings.words import Words, words_found, words_next, w
 from identification.campaign.types import Campaign
 from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 DECAYS = 8
 """Knocks whose decay is kept: more would make a page heavy without telling more."""

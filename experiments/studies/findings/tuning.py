@@ -9,7 +9,8 @@ from experiments.page.number_text import capitalised, percent, plain, short
 from scdpr_jax.command.shaper import Shaper
 from tuning.loop.worst_margins import MarginMap, WorstMargin, margin_map
 from tuning.regions.residual_map import ResidualMap, WorstResidual, residual_map
-from tuning.result.types import RegionalShaper, Tuning
+from tuning.result.regional_shaper import RegionalShaper
+from tuning.result.tuning import Tuning
 
 _MUCH = 0.5
 """Residual vibration from which a shaper does little against its mode [1]."""

@@ -13,7 +13,7 @@ from experiments.reports.tuning_section import tuning_pictures
 from experiments.studies.findings.tuning import between_the_cells_sentence, tuning_findings
 from scdpr_jax.robot.prototype import consistent
 from tuning.regions.residual_map import ResidualMap
-from tuning.result.types import FittedSetting
+from tuning.result.tuning import FittedSetting
 
 
 def made_up(highest, *, pretension=350.0):

@@ -8,7 +8,8 @@ from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from tuning.loop.margins import Margins
-from tuning.result.types import FittedSetting, Region, RegionalShaper, ResidualVibration, Tuning
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 
 SHAPER = RegionalShaper(
     Region((0.0, 2.2), (0.0, 1.1), (350.0, 350.0)),

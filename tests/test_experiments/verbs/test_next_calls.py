@@ -18,7 +18,7 @@ from experiments.verbs.main import calibrate
 from identification import campaign as logs
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
-from tuning.result.types import FittedSetting
+from tuning.result.tuning import FittedSetting
 
 TAKES = {"simulate": "parameters.json", "plan": "tuning.json", "open": "report.html"}
 """The file that each call takes which `scdpr calibrate` may say to make next."""

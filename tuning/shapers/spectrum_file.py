@@ -1,10 +1,10 @@
 """Reading a measured spectrum from a CSV file, with one clear error."""
 
 import csv
+import dataclasses
 import math
 import pathlib
 import re
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -21,7 +21,8 @@ _REPORTED = 5  # faults listed in one error
 _EXPECTED = "a header such as 'freq,psd_x,psd_y,psd_z,psd_xyz' and a row of numbers per bin"
 
 
-class SpectrumFile(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class SpectrumFile:
     """A spectrum as it was read."""
 
     path: pathlib.Path

@@ -2,10 +2,15 @@ r"""Legs of many robots under one command law, and what is wrong with each.
 
 What a robot is told doesn't depend on how it was designed: a PD and the share of the way at
 every sample. Derivatives by whatever they are designed from are one forward pass.
+
+The residuals are no `LegMeasures`: a search by least squares takes many small ones that are
+smooth, such as every eighth millisecond's distance from the mean, where a peak to peak would
+hang on two samples. Nor is the offset among them a resting error, which is where the carriages
+end: it is that mean's distance from the target.
 """
 
+import dataclasses
 import functools
-from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -15,11 +20,12 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.sensors import Encoder
-from scdpr_jax.engines.closed_loop import closed_loop
+from scdpr_jax.legs.command_law import Commands
+from scdpr_jax.legs.leg import run_leg
+from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.numerics.side_by_side import side_by_side
 from scdpr_jax.robot.fields import si
-from tuning.codesign.models import Models, resting
-from tuning.gains.objectives import tracking_error
+from tuning.codesign.models import Models
 
 COUNTS = 26624.0
 """Counts of the rigs' encoders for a turn of a driver pulley [1]."""
@@ -50,7 +56,8 @@ _PEAK_TO_PEAK = 2 * np.sqrt(2)
 """Of a sinusoid over its root mean square [1]."""
 
 
-class Grid(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Grid:
     """Samples of a leg."""
 
     moving: int
@@ -90,19 +97,13 @@ class Command(eqx.Module):
     """Share of the way at every sample of the grid [1]."""
 
 
-class Found(eqx.Module):
+class Outcome(eqx.Module):
     """What a leg comes to; the first axis is the leg."""
 
     residuals: Float[Array | np.ndarray, "... residuals"] = eqx.field(metadata=si("1"))
     """What is wrong with it: their squares sum to its cost [1]."""
-    vibration: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
-    """Peak to peak of $x_e$ after the move [m]."""
-    resting_error: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
-    """Distance of the mean of $x_e$ after the move from the target [m]."""
-    largest_error: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
-    """Largest error against the commanded reference, Eq. (26) [m]."""
-    largest_voltage: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("V"))
-    """Largest command [V]."""
+    measures: LegMeasures
+    """Its measures."""
 
     @property
     def cost(self) -> Float[Array | np.ndarray, "..."]:
@@ -110,7 +111,7 @@ class Found(eqx.Module):
         return (self.residuals**2).sum(axis=-1)
 
 
-def run(models: Models, command: Command, on: Grid) -> Found:
+def run(models: Models, command: Command, on: Grid) -> Outcome:
     """Legs of any number of models.
 
     Args:
@@ -122,7 +123,7 @@ def run(models: Models, command: Command, on: Grid) -> Found:
         What each comes to.
     """
     return side_by_side(
-        lambda own: _chunk(own, command, on), models, size=LANES, program=(_chunk, on)
+        lambda few: _chunk(few, command, on), models, size=LANES, program=(_chunk, on)
     )
 
 
@@ -141,7 +142,7 @@ def linearise(
         Residuals and their derivatives along the directions.
     """
     return side_by_side(
-        lambda own: _sloped(own, command, directions, on),
+        lambda few: _sloped(few, command, directions, on),
         models,
         size=SLOPED_LANES,
         program=(_sloped, on, directions.share.shape[0]),
@@ -149,7 +150,7 @@ def linearise(
 
 
 @functools.partial(jax.jit, static_argnames="on")
-def _chunk(models: Models, command: Command, on: Grid) -> Found:
+def _chunk(models: Models, command: Command, on: Grid) -> Outcome:
     return jax.vmap(lambda model: _leg(model, command, on))(models)
 
 
@@ -165,39 +166,33 @@ def _sloped(
     )(directions)
 
 
-def _leg(model: Models, command: Command, on: Grid) -> Found:
-    way = model.end - model.start
-    commanded = model.start[None] + command.share[:, None] * way[None]
-    done = closed_loop(
-        model.robot,
-        resting(model),
-        command.controller,
+def _leg(model: Models, command: Command, on: Grid) -> Outcome:
+    start = model.ensemble.position
+    commanded = start[None] + command.share[:, None] * (model.end - start)[None]
+    commands = Commands(
+        controller=command.controller,
         reference=commanded,
-        encoder=Encoder(on.counts),
+        commanded=commanded,
+        afterwards=jnp.arange(commanded.shape[0]) >= on.moving,
     )
-    place = done.states.pose
-    limit = model.robot.drive.voltage_limit
-    error = jnp.max(tracking_error(place, commanded))
-    held = place[on.moving :, 0]
-    size = jnp.max(jnp.abs(done.voltage), axis=1) / limit
-    return Found(
-        residuals=_residuals(held, model.end[0], error, size, on),
-        vibration=jnp.max(held) - jnp.min(held),
-        resting_error=jnp.abs(jnp.mean(held) - model.end[0]),
-        largest_error=error,
-        largest_voltage=limit * jnp.max(size),
+    leg = run_leg(
+        model.ensemble.robot, model.ensemble.start, commands, encoder=Encoder(on.counts)
     )
+    resting = leg.pose[on.moving :, 0]
+    size = jnp.max(jnp.abs(leg.voltage), axis=1) / model.ensemble.robot.drive.voltage_limit
+    error = leg.measures.largest_error
+    return Outcome(_residuals(resting, model.end[0], error, size, on), leg.measures)
 
 
 def _residuals(
-    held: Float[Array, " held"],
+    resting: Float[Array, " resting"],
     target: Float[Array, ""],
     error: Float[Array, ""],
     size: Float[Array, " intervals"],
     on: Grid,
 ) -> Float[Array, " residuals"]:
     every = round(_LOOKED_AT / on.period)
-    seen = held[::every]
+    seen = resting[::every]
     mean = jnp.mean(seen)
     windows = size[: size.size // every * every].reshape(-1, every)
     excess = jnp.maximum(jnp.max(windows, axis=1) - VOLTAGE_SHARE, 0.0)

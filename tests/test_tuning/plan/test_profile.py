@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scdpr_jax.command.trajectory import rest_to_rest
-from tuning.plan.leg import plain_motion, spline_basis, with_deviation
+from tuning.plan.profile import plain_motion, spline_basis, with_deviation
 
 START, END = jnp.asarray([0.3, 0.55]), jnp.asarray([1.9, 0.75])
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiments.files.spectrum_file import read_spectrum
+from tuning.shapers.spectrum_file import read_spectrum
 
 FREQUENCY = np.arange(0.0, 40.0, 2.0)
 DENSITY = FREQUENCY * (1 + 9 * np.exp(-((FREQUENCY - 20) ** 2) / 20))

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from experiments.files.spectrum_file import SpectrumFile
 from scdpr_jax.command.shaper import Shaper
 from tuning.shapers.design import Design
 from tuning.shapers.measures import smoothing
 from tuning.shapers.spectrum import THRESHOLD
 from tuning.shapers.spectrum_design import Compared, SpectrumDesign
+from tuning.shapers.spectrum_file import SpectrumFile
 
 ACCELERATION = 5.0
 """Acceleration that smoothing is given for [m/s²]."""
