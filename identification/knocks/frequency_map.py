@@ -74,6 +74,8 @@ class FrequencyMap:
     """Names of the runs."""
     unresolved: tuple[tuple[str, str], ...] = ()
     """Knocks that give no frequency: name of the run, and why."""
+    ring_downs: tuple[RingDown, ...] = ()
+    """Every knock's ring-down; none in a map read from a file."""
 
     def __repr__(self) -> str:
         low, high = np.min(self.frequency), np.max(self.frequency)
@@ -132,6 +134,7 @@ def frequency_map(campaign: Campaign) -> FrequencyMap:
         residuals_are_noise=np.array([decay.residuals_are_noise for decay in decays]),
         runs=tuple(run.name for _, _, _, run in rows),
         unresolved=tuple(unresolved),
+        ring_downs=tuple(decays),
     )
 
 
@@ -172,8 +175,8 @@ def write_frequencies(frequencies: FrequencyMap, path: pathlib.Path) -> None:
     """Write a map as `frequencies.csv`, whole or not at all.
 
     Args:
-        frequencies: The map; what has no column (`fft_frequency`, `residuals_are_noise`
-            and `unresolved`) isn't written.
+        frequencies: The map; what has no column (`fft_frequency`,
+            `residuals_are_noise`, `unresolved` and `ring_downs`) isn't written.
         path: The file, replaced if it exists.
     """
     columns = [getattr(frequencies, column.field).tolist() for column in _COLUMNS]

@@ -169,6 +169,9 @@ def without_drives(robot: Robot) -> Robot:
         The robot with drives of no inertia, damping and dry friction.
     """
     zero = jnp.zeros_like(robot.drive.inertia)
-    return eqx.tree_at(
-        lambda r: (r.drive.inertia, r.drive.damping, r.drive.friction), robot, (zero,) * 3
+    drive = eqx.tree_at(
+        lambda d: (d.inertia, d.damping, d.friction, d.friction_difference),
+        robot.drive,
+        (zero,) * 4,
     )
+    return eqx.tree_at(lambda r: r.drive, robot, drive)

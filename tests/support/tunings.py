@@ -8,7 +8,8 @@ from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
 from tuning.loop.margins import Margins
-from tuning.result.types import FittedSetting, Region, RegionalShaper, ResidualVibration, Tuning
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 from tuning.shapers.catalogue import ei, um_zv, zv
 
 WIDTH, HEIGHT = 2.224, 1.112  # m, of the frame

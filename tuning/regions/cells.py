@@ -12,7 +12,7 @@ from scdpr_jax.linear.modes import BOTH_HELD, held_frequency, natural_frequencie
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import replace, value
-from tuning.result.types import Range, Region
+from tuning.result.regional_shaper import Range, Region
 
 SAME_PLACE = 0.1
 """Knocks nearer than this are at one place of the grid [m]."""

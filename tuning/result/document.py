@@ -18,15 +18,9 @@ from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import EVERY_QUANTITY, QUANTITIES, quantity, replace
 from tuning.loop.margins import Margins
 from tuning.loop.worst_margins import WorstMargin
-from tuning.result.types import (
-    FittedSetting,
-    Metrics,
-    Prediction,
-    Region,
-    RegionalShaper,
-    ResidualVibration,
-    Tuning,
-)
+from tuning.result.prediction import Metrics, Prediction
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 
 _Span = tuple[pydantic.FiniteFloat, pydantic.FiniteFloat]
 
@@ -58,10 +52,10 @@ def tuning_document(tuning: Tuning) -> str:
             "period": {"value": float(controller.period), "unit": "s"},
             "filter_time": {"value": float(controller.filter_time), "unit": "s"},
             "margins": {
-                field.name: _finite(float(getattr(tuning.loop.margins, field.name)))
+                field.name: _finite(float(getattr(tuning.margins, field.name)))
                 for field in dataclasses.fields(Margins)
             }
-            | {"flexible": [_worst(one) for one in tuning.loop.worst_margins]},
+            | {"flexible": [_worst(one) for one in tuning.worst_margins]},
         },
         "shapers": [_shaper(regional) for regional in tuning.shapers],
         "robots": [_robot(known) for known in tuning.robots],

@@ -46,6 +46,7 @@ def identify(
     """
     set_up()
     from experiments.reports import summary
+    from experiments.studies.findings import findings
     from identification.campaign import read_campaign
     from identification.checks.leave_out import without_each_run
     from identification.checks.posterior import posterior as sampled
@@ -74,8 +75,9 @@ def identify(
             found = without_each_run(read, found, progress=progress)
         drawn = sampled(read, found, progress=progress) if posterior else None
     write_parameters(out / "parameters.json", found, traced, drawn)
-    summary.show(OUT, found, campaign=read, profiles=traced, posterior=drawn)
-    summary.show_influence(OUT, found)
+    told = findings(found, campaign=read)
+    summary.show(OUT, told, profiles=traced, posterior=drawn)
+    summary.show_influence(OUT, told)
     wrote(out / "parameters.json")
     suggest(f"scdpr frequencies {campaign} --out {out}")
     return DONE

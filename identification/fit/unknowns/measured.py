@@ -22,6 +22,9 @@ from scdpr_jax.robot.fields import real
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import quantity, value
 
+APART = 3.0
+"""Standard errors from which the logs contradict what was measured otherwise [1]."""
+
 
 class Measured(eqx.Module):
     """A number that something other than the campaign's runs tells, with its error."""
@@ -217,6 +220,11 @@ class MeasuredFit:
     """The robot's own value [SI]."""
     deviation: float
     """Own minus measured value, in the measurement's standard errors [1]."""
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether the logs contradict it."""
+        return abs(self.deviation) >= APART
 
     @classmethod
     def of(cls, measured: Measured, robot: Robot) -> "MeasuredFit":

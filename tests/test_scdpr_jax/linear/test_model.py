@@ -97,6 +97,12 @@ def test_mass_matrix_is_equation_19():
     )
 
 
+def test_without_drives_neither_drive_rubs_however_unequal_they_are():
+    numbers = {"drive_friction": 0.3, "drive_friction_difference": 0.2}
+    bare = without_drives(replace(consistent(), numbers)).drive
+    np.testing.assert_array_equal(bare.frictions, 0.0)
+
+
 def test_masses_without_drives_are_equation_19():
     used = masses(without_drives(consistent()))[:4]
     assert jnp.array_equal(used, jnp.diagonal(mass_matrix(consistent())))

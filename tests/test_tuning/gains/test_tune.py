@@ -52,7 +52,7 @@ def test_no_error_of_two_second_legs_grows(tuning, metric):
 
 @pytest.mark.slow
 def test_the_flexible_robot_keeps_its_margins_everywhere(tuning):
-    worst = {one.measure: one.value for one in tuning.loop.worst_margins}
+    worst = {one.measure: one.value for one in tuning.worst_margins}
     assert worst["phase_margin"] >= PHASE_MARGIN
     assert worst["peak_sensitivity"] <= PEAK_SENSITIVITY
 

@@ -23,7 +23,7 @@ from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import MotorPlant
 from tuning.loop.responses import sampled_loop
 from tuning.loop.worst_margins import margin_map, worst_margins
-from tuning.result.types import FittedSetting
+from tuning.result.tuning import FittedSetting
 
 PERIOD = 1e-3
 ROBOT = exact(consistent())

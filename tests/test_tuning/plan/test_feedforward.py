@@ -25,16 +25,36 @@ def volts_and_answer(robot, state, wanted):
     return voltage, driven(answer)
 
 
-@given(SPEED, SPEED, RATE, RATE, st.floats(-0.03, 0.03), st.sampled_from([0.0, 0.05]))
+@given(
+    SPEED,
+    SPEED,
+    RATE,
+    RATE,
+    st.floats(-0.03, 0.03),
+    st.sampled_from([(0.0, 0.0), (0.05, 0.0), (0.3, 0.2), (0.3, -0.2)]),
+)
 def test_the_commands_give_the_accelerations_that_were_wanted(v_3, v_y, a_3, a_y, lag, dry):
     # A limit that no command reaches: a clipped one can't give what was wanted.
-    robot = replace(consistent(), {"drive_friction": dry, "voltage_limit": 100.0})
+    friction, difference = dry
+    numbers = {"drive_friction": friction, "drive_friction_difference": difference}
+    robot = replace(consistent(), {**numbers, "voltage_limit": 100.0})
     at = rest(robot, jnp.asarray(1.0), jnp.asarray(1.0 + lag), jnp.asarray(0.5))
     velocity = jnp.asarray([0.9 * v_3, 0.1, v_3, v_3, v_y])
     wanted = Motion(at.driven, driven(velocity), jnp.asarray([a_3, a_y]))
     _, answer = volts_and_answer(robot, State(at.position, velocity), wanted)
     # tanh of 50 widths is 1 to the last digit; the sums are of some 100 N.
     assert jnp.max(jnp.abs(answer - wanted.acceleration)) < 1e-11
+
+
+def test_each_drive_is_compensated_for_its_own_friction():
+    equal = replace(consistent(), {"drive_friction": 0.3})
+    unequal = replace(equal, {"drive_friction_difference": 0.2})
+    at = rest(equal, *jnp.asarray([1.0, 1.0, 0.5]))
+    moving = Motion(jnp.asarray([1.0, 0.5]), jnp.asarray([0.5, 0.0]), jnp.zeros(2))
+    both, each = (volts_and_answer(robot, at, moving)[0] for robot in (equal, unequal))
+    # A tenth of a newton metre less for the first drive, a tenth more for the second.
+    more = 0.1 / float(equal.drive.torque_per_volt)
+    assert (each - both).tolist() == pytest.approx([-more, more], rel=1e-9)
 
 
 def test_at_rest_in_line_nothing_is_commanded():

@@ -12,15 +12,9 @@ from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
 from tuning.loop.worst_margins import WorstMargin
 from tuning.result.document import read_tuning, tuning_document, write_tuning
-from tuning.result.types import (
-    FittedSetting,
-    Metrics,
-    Prediction,
-    Region,
-    RegionalShaper,
-    ResidualVibration,
-    Tuning,
-)
+from tuning.result.prediction import Metrics, Prediction
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 from tuning.shapers.catalogue import ei
 
 METRICS = Metrics(5e-3, 2e-3, 54e-3, 15e-3, 54e-3, 8.9, 0.0)

@@ -13,7 +13,7 @@ from scdpr_jax.robot.drive import drive_pole
 from scdpr_jax.robot.prototype import consistent, published
 from scdpr_jax.robot.quantities import value
 
-LOOP: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     Claim(
         "eq24",
         "(24)",

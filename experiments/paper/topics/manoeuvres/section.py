@@ -3,7 +3,8 @@
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.manoeuvres.figure import (
     draw_diagonal,
     draw_errors,

@@ -1,7 +1,8 @@
 """Sections of Table 2 and Figures 13 and 14."""
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.open_loop.figure import draw_fig13, draw_fig14, draw_table2
 from experiments.paper.topics.open_loop.numbers import POSES, TITLES, TORQUES, open_loop
 from scdpr_jax.robot.state import pose

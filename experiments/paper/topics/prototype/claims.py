@@ -27,7 +27,7 @@ def _offsets() -> float:
     )
 
 
-PROTOTYPE: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     _given("Table 1", "width W of the frame", "2224", "mm", _robot("frame_width", 1e3)),
     _given("Table 1", "height H of the frame", "1112", "mm", _robot("frame_height", 1e3)),
     _given(

@@ -2,7 +2,8 @@
 
 from experiments.page.number_text import plain, readable_unit, short
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.prototype.numbers import (
     Derived,
     derived_as_printed,
