@@ -72,10 +72,11 @@ def _errors(fitted: FittedRobot) -> NormalErrors:
         order = [labels.index(label) for label in fit if label in labels]
         kept = [k for k, label in enumerate(fit) if label in labels]
         matrix[np.ix_(order, order)] = np.asarray(fitted.correlation.matrix)[np.ix_(kept, kept)]
+    sigma = np.asarray([row.sigma or 0.0 for row in rows], dtype=float)
     return NormalErrors(
         names=tuple(row.name for row in rows),
         values=np.asarray([row.value for row in rows], dtype=float),
-        sigma=np.asarray([row.sigma or 0.0 for row in rows], dtype=float),
+        sigma=np.where(np.isfinite(sigma), sigma, 0.0),
         correlation=matrix,
     )
 
