@@ -57,7 +57,7 @@ class _Start(NamedTuple):
     """The flat unknowns of nearly the same one."""
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Designed:
     """A design and what it comes to."""
 
@@ -69,6 +69,16 @@ class Designed:
     """What every model comes to under it, at the controllers' own rate."""
     point: Float[np.ndarray, " n"] | None = None
     """Its flat unknowns, where a descent ended in it."""
+
+    def __repr__(self) -> str:
+        controller = self.law.controller
+        return (
+            f"Designed: moves of {self.move_time:.4g} s, PD of "
+            f"{float(controller.proportional_gain):.4g} V/rad and "
+            f"{float(controller.derivative_gain):.4g} V s/rad, "
+            f"{self.law.shaper.times.size} impulses; worst tenth vibrates "
+            f"{1e3 * self.vibration:.3g} mm"
+        )
 
     @property
     def measures(self) -> LegMeasures:
