@@ -2,14 +2,13 @@
 
 import dataclasses
 import re
-from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float
 
 from experiments.files.parameters_file import FittedRobot
-from experiments.runtime import stage
 from experiments.studies.posterior import draw
+from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.codesign import (
     Designed,
     Models,
@@ -114,7 +113,7 @@ def design(
     fitted: FittedRobot,
     asked: Asked,
     *,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> CoDesign:
     """A co-design of a fitted robot.
 
@@ -142,7 +141,7 @@ def design(
     robots = _fitted(fitted, asked.settings)
     progress("gains that keep their margins", 0.0)
     within = admissible([one.robot for one in robots])
-    designs = front(seen, within, move_times=times, progress=stage(progress, 0.03, 0.8))
+    designs = front(seen, within, move_times=times, progress=progress.part(0.03, 0.8))
     chosen = knee(designs)
     unseen = _held_out(fitted, asked, begin, ends, heights)
     longest = max(times)

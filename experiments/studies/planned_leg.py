@@ -11,11 +11,12 @@ from jaxtyping import Array, Float
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import ClosedLoop, closed_loop, joint_references
+from scdpr_jax.numerics.progress import Progress
 from scdpr_jax.robot.kinematics import forward_kinematics
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.following import Scenario, begin
 from tuning.plan.plan_file import Plan
-from tuning.plan.planning import SCENARIOS, Progress, plan_leg, scenarios
+from tuning.plan.planning import SCENARIOS, plan_leg, scenarios
 
 AFTERWARDS = 1.5
 """Time that is looked at after the leg [s]."""

@@ -26,6 +26,7 @@ from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import ShapedTrajectory, Shaper
 from scdpr_jax.command.trajectory import Manoeuvre, rest_to_rest
 from scdpr_jax.engines.closed_loop import ClosedLoop, closed_loop
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot, replace
@@ -49,9 +50,6 @@ HOLD = 1.0
 """Time that is looked at after the slowest manoeuvre [s]: three periods of 3 Hz."""
 COARSE_PERIOD = 2e-3
 """Sample period of the search [s]; the result is simulated at the controller's own."""
-
-Progress = Callable[[str, float], None]
-"""Told what is being done and which share of it is done, 0 to 1."""
 
 
 class Task(eqx.Module):
@@ -202,7 +200,7 @@ def optimise(
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     seed: int = 0,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Optimum:
     """Gains and a shaper for a cell, through the simulated closed loop.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot, exact
 from tuning.gains.optimise import (
@@ -16,7 +17,6 @@ from tuning.gains.optimise import (
     IMPULSES,
     LEG_TIMES,
     Effort,
-    Progress,
     Task,
     alone,
     losses,
@@ -81,7 +81,7 @@ def tune(
     *,
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Tuning:
     """Gains for the robot and a shaper for every region of its workspace.
 
@@ -123,7 +123,7 @@ def tune(
         within,
         leg_times=leg_times,
         effort=effort,
-        progress=lambda doing, share: progress(doing, 0.8 * share),
+        progress=progress.part(0.0, 0.8),
     )
     shapers = []
     for number, s in enumerate(settings):

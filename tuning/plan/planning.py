@@ -18,10 +18,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD
+from scdpr_jax.numerics.levenberg_marquardt import Damping, Stopping, minimise
+from scdpr_jax.numerics.merit import SumOfSquares
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.feedforward import Motion, inverse_dynamics
 from tuning.plan.following import Followed, Scenario, begin, follow
-from tuning.plan.least_squares import Linearisation, least_squares
 from tuning.plan.leg import Basis, plain_motion, spline_basis, with_deviation
 
 LEG_TIME = 2.0
@@ -75,8 +77,12 @@ _ROUGHNESS = 0.5
 _ARRIVAL = 0.1e-3
 """Distance of the fitted robot from rest at the target that counts as one, when a first
 guess is sought [m]; velocities count over an angular frequency of 3 Hz."""
-
-Progress = Callable[[str, float], None]
+_DAMPING = Damping(fall=5.0, rise=4.0, floor=1e-9)
+"""Damping of a search; the floor is for splines that move almost nothing."""
+_REJECTIONS = 8
+"""Dampings that are tried before a point counts as a minimum, or as a kink."""
+_SAVING = 1e-3
+"""Share of the misfit that a step has to save for the search to go on [1]."""
 
 
 class Grid(NamedTuple):
@@ -287,7 +293,7 @@ def plan_leg(
     *,
     leg_time: float | None = None,
     iterations: int = 30,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Leg:
     """The motion of one leg from rest to rest.
 
@@ -335,30 +341,33 @@ def _search(
     on = grid(start, end, pace=pace, steps=steps, hold=round(HOLD / leg_time * steps))
     robots = scenarios()
 
-    def linearised(goal: _Goal, point: Float[np.ndarray, " n"]) -> Linearisation:
+    def misfit(goal: _Goal, point: Float[np.ndarray, " n"]) -> SumOfSquares:
         found = _linearised(robot, controller, robots, on, jnp.asarray(point), holding=holding)
         value, slope = (_Outcome(*(np.asarray(part) for part in parts)) for parts in found)
         rough = np.diff(np.eye(point.size), 2, axis=0) / _ROUGHNESS
         pairs = [*_common(value, slope, weights), *goal(value, slope, weights)]
         pairs.append((rough @ point, rough))
-        return (
+        return SumOfSquares(
             np.concatenate([part.reshape(-1) for part, _ in pairs]),
             np.concatenate([part.reshape(-1, point.size) for _, part in pairs]),
         )
 
+    stopping = Stopping(steps=iterations, rejections=_REJECTIONS, saving=_SAVING, share=0.0)
     plain = np.zeros(on.basis[0].value.shape[1])
     progress("compiling, or from the cache", 0.0)
-    guess = least_squares(
-        functools.partial(linearised, _arriving),
+    guess = minimise(
+        functools.partial(misfit, _arriving),
         plain,
-        iterations=iterations,
-        progress=lambda share: progress("a first guess", 0.1 + 0.3 * share),
+        stopping=stopping,
+        damping=_DAMPING,
+        progress=progress.part(0.1, 0.4, "a first guess"),
     ).point
-    return least_squares(
-        functools.partial(linearised, _resting),
+    return minimise(
+        functools.partial(misfit, _resting),
         guess,
-        iterations=iterations,
-        progress=lambda share: progress("motion", 0.4 + 0.5 * share),
+        stopping=stopping,
+        damping=_DAMPING,
+        progress=progress.part(0.4, 0.9, "motion"),
     ).point
 
 
