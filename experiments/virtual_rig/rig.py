@@ -5,7 +5,6 @@ breakaway staircases, steps of the bare drives) with exact friction on a grid fo
 fine as its log's, rounds its encoders to counts, and adds the camera's noise.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -34,6 +33,7 @@ from identification.campaign import (
 )
 from identification.campaign.types import default_sensors, encoder_resolution
 from scdpr_jax.command.trajectory import table_3
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
@@ -108,7 +108,7 @@ def campaign(
     truth: Truth,
     seed: int,
     *,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Campaign:
     """Fourteen runs of the virtual rig.
 
