@@ -1,1 +1,1 @@
-"""What people run: the command `scdpr`, and the studies, reports and figures behind its verbs."""
+"""What people run: the command `scdpr`, and the studies, reports and figures behind it."""
