@@ -15,6 +15,7 @@ from experiments.paper.claim import Claim, Verdict
 from experiments.paper.content import Content, Section
 from experiments.paper.every_claim import of_section
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.progress import Progress
 
 _PNG_DPI = 75  # a column of the documentation, and files of some 50 kB
 
@@ -56,7 +57,7 @@ class Reproduced(NamedTuple):
 
 def reproduce(
     sections: Sequence[Section],
-    progress: Callable[[str, float], None],
+    progress: Progress,
     *,
     keep: Callable[[str, Figure], None] = lambda name, figure: None,
 ) -> tuple[Reproduced, ...]:

@@ -3,26 +3,24 @@
 import concurrent.futures
 import dataclasses
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from experiments.files.parameters_file import write_parameters
 from experiments.reports.report import write_report
-from experiments.runtime import stage
 from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured
 from identification.knocks.frequency_map import FrequencyMap, frequency_map, write_frequencies
 from identification.result.estimate import Estimate, estimate
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.prototype import consistent
 from tuning.export import write_exports
 from tuning.gains.optimise import LEG_TIMES, Effort
 from tuning.gains.tune import prepare, tune
 from tuning.result.document import write_tuning
 from tuning.result.tuning import Tuning
-
-Progress = Callable[[str, float], None]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -74,7 +72,7 @@ def calibrate(
     clock_drifts: bool = False,
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Calibration:
     """Parameters, frequencies, gains and shapers of a campaign.
 
@@ -105,7 +103,7 @@ def calibrate(
             "hold_out": names,
             "measured": measured,
             "clock_drifts": clock_drifts,
-            "progress": stage(progress, 0.02, 0.7),
+            "progress": progress.part(0.02, 0.7),
         }
         if free is None:
             found = select(campaign, **known)
@@ -126,7 +124,7 @@ def calibrate(
         frequencies,
         leg_times=leg_times,
         effort=effort,
-        progress=stage(progress, 0.75, 0.95),
+        progress=progress.part(0.75, 0.95),
     )
     return Calibration(campaign, found, frequencies, tuned, tuple(notes))
 

@@ -5,7 +5,6 @@ breakaway staircases, steps of the bare drives) with exact friction on a grid fo
 fine as its log's, rounds its encoders to counts, and adds the camera's noise.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -30,6 +29,7 @@ from scdpr_jax.command.trajectory import table_3
 from scdpr_jax.engines.closed_loop import pulley_angles, sampled_loop
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate, step
 from scdpr_jax.legs.starts import rest_out_of_line
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.parameters import Robot, replace, value
@@ -115,7 +115,7 @@ def campaign(
     truth: Truth,
     seed: int,
     *,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Campaign:
     """Fourteen runs of the virtual rig.
 

@@ -1,20 +1,20 @@
 """Fits without each run: what `identification.judge.influence` has to first order."""
 
 import dataclasses
-from collections.abc import Callable
 
 import numpy as np
 
 from identification.campaign.types import Campaign
 from identification.judge.influence import decoded, known_sigma
 from identification.result.estimate import Estimate, solved
+from scdpr_jax.numerics.progress import SILENT, Progress
 
 
 def without_each_run(
     campaign: Campaign,
     found: Estimate,
     *,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Estimate:
     """The estimate with its runs left out by fits instead of by a Gauss-Newton step each.
 

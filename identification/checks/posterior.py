@@ -17,7 +17,6 @@ Bayesian Analysis 16(2), 2021, doi:10.1214/20-BA1221.
 
 import dataclasses
 import importlib.util
-from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -26,11 +25,12 @@ from jaxtyping import Array, Float
 
 from identification.campaign.types import Campaign
 from identification.fit.accumulate import motor_sums, run_sums
-from identification.fit.levenberg_marquardt import Normal
 from identification.fit.problem import Problem
 from identification.fit.unknowns.measured import pulls
 from identification.judge.influence import decoded
 from identification.result.estimate import Estimate, solved
+from scdpr_jax.numerics.merit import Normal
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.fields import si
 
 APART = 1.01
@@ -164,7 +164,7 @@ def posterior(
     warm_up: int = 100,
     draws: int = 50,
     seed: int = 0,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Posterior:
     """Draws from what the logs leave possible, beginning at the fit.
 

@@ -12,9 +12,10 @@ import numpy as np
 from jaxtyping import Float
 
 from identification.campaign.types import Campaign
-from identification.fit.levenberg_marquardt import Normal, minimise_together
 from identification.fit.unknowns.unknowns import decode, encode
 from identification.result.estimate import Estimate, solved
+from scdpr_jax.numerics.levenberg_marquardt import Stopping, minimise_together
+from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.parameters import quantity
 
 WIDTHS = (-3.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 3.0)
@@ -115,8 +116,7 @@ def _profile(problem, point, best, parameter, iterations) -> Profile:
         evaluate,
         starts,
         lower=problem.unknowns.lower(),
-        iterations=iterations,
-        decrement=1e-2,
+        stopping=Stopping(evaluations=iterations, decrement=1e-2),
     )
     values = np.array([decode(parameter.name, number) for number in (*held, point[index])])
     rise = np.array([*(end.normal.cost - best.cost for end in ends), 0.0])

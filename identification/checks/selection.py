@@ -2,26 +2,26 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from identification.campaign.types import Campaign
-from identification.fit.levenberg_marquardt import Minimum, Normal, free_unknowns
 from identification.fit.problem import Problem
 from identification.fit.unknowns.measured import Measured, with_measured
 from identification.fit.unknowns.models import REFINEMENTS, Model, Refinement
 from identification.fit.unknowns.unknowns import DEFAULT_FREE, FOLLOWS, layout
 from identification.result.estimate import Estimate, estimate, require_float64, solve, vector
+from scdpr_jax.numerics.levenberg_marquardt import Minimum, free_unknowns
+from scdpr_jax.numerics.merit import Normal
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import exact, replace
 from scdpr_jax.robot.prototype import consistent
 
 ITERATIONS = 30
 """Most evaluations of a model; the next one goes on from there, and the chosen one, too."""
-
-Progress = Callable[[str, float], None]
 
 
 def select(
@@ -31,7 +31,7 @@ def select(
     measured: Sequence[Measured] = (),
     clock_drifts: bool = False,
     refinements: Sequence[Refinement] = REFINEMENTS,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Estimate:
     r"""The usual estimate or, where it leaves more than noise, that of a model with more in it.
 
@@ -66,7 +66,7 @@ def select(
         hold_out=hold_out,
         measured=measured,
         clock_drifts=clock_drifts,
-        progress=lambda doing, share: progress(doing, 0.4 * share),
+        progress=progress.part(0.0, 0.4),
     )
     if all(channel.is_noise for run in usual.comparisons for channel in run.channels):
         return usual
@@ -112,7 +112,7 @@ def select(
         [best.minimum.point],
         campaign=campaign,
         valleys=usual.fit.valleys,
-        progress=lambda doing, share: progress(doing, 0.9 + 0.1 * share),
+        progress=progress.part(0.9, 1.0),
     )
     return dataclasses.replace(chosen, models=models, choice=choice)
 

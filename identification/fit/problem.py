@@ -1,7 +1,7 @@
 """A campaign prepared for fitting: its runs as arrays, and their normal equations."""
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import equinox as eqx
 import jax
@@ -15,7 +15,6 @@ from identification.data.start import Clock, clocks
 from identification.fit.accumulate import MotorRecord, RunSums, assemble, motor_sums, run_sums
 from identification.fit.comparison import Predicted, predictions
 from identification.fit.lanes import in_lanes
-from identification.fit.levenberg_marquardt import Minimum, Normal, minimise, minimise_together
 from identification.fit.unknowns.measured import (
     Measured,
     pulls,
@@ -23,6 +22,14 @@ from identification.fit.unknowns.measured import (
     with_measured,
 )
 from identification.fit.unknowns.unknowns import Unknowns, layout, start_values
+from scdpr_jax.numerics.levenberg_marquardt import (
+    Minimum,
+    Stopping,
+    minimise,
+    minimise_together,
+)
+from scdpr_jax.numerics.merit import Normal
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.numerics.side_by_side import CORES
 from scdpr_jax.robot.parameters import Robot, value
 
@@ -333,7 +340,7 @@ class Problem:
         *,
         iterations: int,
         decrement: float,
-        report: Callable[[int, float], None] = lambda iteration, cost: None,
+        progress: Progress = SILENT,
         held_out: bool = False,
     ) -> Minimum:
         """The minimum that a start leads to, on the coarser grid.
@@ -342,7 +349,7 @@ class Problem:
             start: Vector of the fit.
             iterations: Most evaluations.
             decrement: Decrease of the misfit that a step still has to promise.
-            report: Told the evaluations so far and the least misfit.
+            progress: Told which share of the evaluations has been made.
             held_out: Whether to fit the held-out runs' circumstances, and nothing else.
 
         Returns:
@@ -352,9 +359,8 @@ class Problem:
             lambda point: self.evaluate([point], held_out=held_out)[0],
             start,
             lower=self.unknowns.lower(),
-            iterations=iterations,
-            decrement=decrement,
-            report=report,
+            stopping=Stopping(evaluations=iterations, decrement=decrement),
+            progress=progress,
         )
 
     def minimise_on(
@@ -388,9 +394,7 @@ class Problem:
             evaluate,
             starts,
             lower=self.unknowns.lower(),
-            iterations=iterations,
-            decrement=decrement,
-            share=share,
+            stopping=Stopping(evaluations=iterations, decrement=decrement, share=share),
         )
 
     def corrected(self, point: Float[np.ndarray, " n"]) -> "Problem":

@@ -6,7 +6,7 @@ are enough to follow all of them to their ends, side by side.
 """
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from jaxtyping import Float
 from identification.fit.problem import Problem
 from identification.fit.scan import scan
 from identification.fit.unknowns.unknowns import PER_SETTING, decode, encode
+from scdpr_jax.numerics.progress import Progress
 from scdpr_jax.robot.parameters import value
 
 SCAN_RUNS = 2
@@ -64,7 +65,7 @@ AMBIGUOUS = 1.3
 """Misfit over the least one up to which a valley is tried on all runs, too [1]."""
 
 
-def starts(problem: Problem, progress: Callable[[str, float], None]) -> Start:
+def starts(problem: Problem, progress: Progress) -> Start:
     """Points to begin a fit at.
 
     Args:

@@ -23,9 +23,9 @@ from scipy import stats
 from scipy.optimize import lsq_linear
 
 from identification.fit.accumulate import RunSums
-from identification.fit.levenberg_marquardt import Normal
 from identification.fit.problem import Problem
 from identification.judge.uncertainty import ParameterEstimate
+from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.parameters import quantity
 
 RESAMPLES = 4000
@@ -296,7 +296,7 @@ def _unstopped(normal: RunNormal, lower: Float[np.ndarray, " n"]) -> RunNormal:
     both = np.outer(free, free)
     return normal._replace(
         information=normal.information * both,
-        otherwise=other._replace(matrix=other.matrix * both),
+        otherwise=dataclasses.replace(other, matrix=other.matrix * both),
     )
 
 

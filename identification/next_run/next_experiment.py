@@ -24,6 +24,7 @@ from identification.next_run.expected_information import (
     expected,
     expected_over,
 )
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.numerics.side_by_side import CORES
 from scdpr_jax.robot.parameters import value
 
@@ -114,7 +115,7 @@ def propose(
     *,
     key: PRNGKeyArray,
     iterations: int = 40,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> tuple[Candidate, ...]:
     """The best excitation of each shape, and what a search by gradient makes of them.
 
@@ -144,7 +145,7 @@ def propose(
         criterion,
         truths=rig.draws(comparing, DRAWS),
         intervals=intervals,
-        progress=lambda share: progress("the catalogue", share / 2),
+        progress=progress.part(0.0, 0.5, "the catalogue"),
     )
     best: dict[str, Candidate] = {}
     for one in sorted(found, key=lambda one: -one.rate):
@@ -165,7 +166,7 @@ def propose(
             key=searching,
             iterations=iterations,
             intervals=intervals,
-            progress=lambda share: progress("improved by gradient", 0.5 + 0.4 * share),
+            progress=progress.part(0.5, 0.9, "improved by gradient"),
         )
     progress("judged anew", 0.9)
     truths = rig.draws(judging, JUDGES)
@@ -180,7 +181,7 @@ def judged(
     *,
     truths: Float[Array, "draws n"],
     intervals: int,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Progress = SILENT,
 ) -> list[Candidate]:
     """What excitations are worth, without those that break a limit.
 
@@ -211,7 +212,7 @@ def _told(
     excitations: Sequence[Excitation],
     truths: Float[Array, "draws n"],
     intervals: int,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Progress = SILENT,
 ) -> Expected:
     """What excitations tell on average over the truths, and how far they go beyond limits."""
     chunks = [
@@ -235,7 +236,7 @@ def _told(
     parts: list[Expected] = []
     for one in all_told():
         parts.append(one)
-        progress(len(parts) / len(chunks))
+        progress("", len(parts) / len(chunks))
     every = len(truths) // DRAWS
     rows = [parts[first : first + every] for first in range(0, len(parts), every)]
     return Expected(
@@ -283,7 +284,7 @@ def improved(
     key: PRNGKeyArray,
     iterations: int,
     intervals: int,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Progress = SILENT,
 ) -> list[Excitation]:
     """What Adam's steps make of some excitations, on other robots at every step.
 
@@ -311,7 +312,7 @@ def improved(
     state = optimiser.init(knots)
     least, best = np.full(len(starts), np.inf), list(starts)
     for number in range(iterations):
-        progress(number / iterations)
+        progress("", number / iterations)
         truths = rig.draws(jax.random.fold_in(key, number), DRAWS)
         given = (runs, base, spread, over)
         slope, cost, voltage = _sloped(rig, criterion, knots, given, truths)

@@ -2,7 +2,7 @@
 
 import concurrent.futures
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import jax
 import jax.numpy as jnp
@@ -12,7 +12,6 @@ from jaxtyping import Float
 from identification.campaign.types import Campaign
 from identification.fit.accumulate import RunSums, assemble
 from identification.fit.comparison import Comparison, compare, compare_motors
-from identification.fit.levenberg_marquardt import Minimum, free_unknowns
 from identification.fit.problem import Problem
 from identification.fit.residuals import Circumstances
 from identification.fit.starts import Valley, starts
@@ -37,13 +36,14 @@ from identification.judge.uncertainty import (
     is_untold,
     judge,
 )
+from scdpr_jax.numerics.levenberg_marquardt import Minimum, free_unknowns
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import QUANTITIES, Robot, exact, quantity, replace, value
 from scdpr_jax.robot.prototype import consistent
 
 CORRECTIONS = 2
 """How often the coarser grid's own error is taken off, see `Problem.corrected`."""
 
-Progress = Callable[[str, float], None]
 """Told what is being done and which share of it is done, 0 to 1."""
 
 
@@ -129,7 +129,7 @@ def estimate(
     hold_out: Sequence[str] = (),
     measured: Sequence[Measured] = (),
     clock_drifts: bool = False,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Estimate:
     """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
 
@@ -172,13 +172,13 @@ def estimate(
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # Compiling leaves the interpreter free: the rest comes along meanwhile.
         aside.submit(problem.compile)
-        begun = starts(problem, lambda doing, share: progress(doing, 0.3 * share))
+        begun = starts(problem, progress.part(0.0, 0.3))
     return solve(
         problem,
         begun.points,
         campaign=campaign,
         valleys=begun.valleys,
-        progress=lambda doing, share: progress(doing, 0.3 + 0.7 * share),
+        progress=progress.part(0.3, 1.0),
     )
 
 
@@ -188,7 +188,7 @@ def solve(
     *,
     campaign: Campaign,
     valleys: tuple[Valley, ...] = (),
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Estimate:
     """The estimate that some starts lead to.
 
@@ -207,8 +207,8 @@ def solve(
     """
     ends = []
     for number, start in enumerate(points):
-        told = _told(progress, f"start {number + 1} of {len(points)}", 0.0, 0.6)
-        ends.append(problem.minimise(start, iterations=15, decrement=1.0, report=told))
+        begun = progress.part(0.0, 0.6, f"start {number + 1} of {len(points)}")
+        ends.append(problem.minimise(start, iterations=15, decrement=1.0, progress=begun))
     point, done = min(ends, key=lambda end: end.normal.cost).point, 0
     for number in range(CORRECTIONS):
         # What the coarser grid errs by hardly depends on the point: twice is enough.
@@ -292,13 +292,6 @@ def solved(campaign: Campaign, found: Estimate) -> tuple[Problem, Float[np.ndarr
     )
     point = vector(problem, found)
     return problem.corrected(point), point
-
-
-def _told(
-    progress: Progress, doing: str, begun: float, share: float
-) -> Callable[[int, float], None]:
-    """Progress of a minimisation, which halves what is left every five evaluations."""
-    return lambda done, cost: progress(doing, begun + share * (1 - 0.5 ** (done / 5)))
 
 
 def _judged(

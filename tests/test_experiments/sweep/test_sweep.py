@@ -24,6 +24,7 @@ from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import closed_loop
 from scdpr_jax.linear.modes import CONDITIONS, natural_frequencies
+from scdpr_jax.numerics.progress import Progress
 from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
@@ -188,11 +189,11 @@ GRID = ("y=0.2..0.9:100 m", "effective_pretension=50..300:200 N")
 
 
 def stopping_at(share):
-    def progress(doing, done):
+    def tell(doing, done):
         if done >= share:
             raise KeyboardInterrupt
 
-    return progress
+    return Progress(tell)
 
 
 @pytest.mark.parametrize("cut", [0, 1, 5000, 10**9])
@@ -207,7 +208,8 @@ def test_a_stopped_sweep_ends_with_the_same_bits(tmp_path, cut):
     os.truncate(records, max(records.stat().st_size - cut, 0))
 
     told = []
-    sweep(FREQUENCY, grid, consistent(), out, progress=lambda *t: told.append(t[1])).close()
+    progress = Progress(lambda doing, share: told.append(share))
+    sweep(FREQUENCY, grid, consistent(), out, progress=progress).close()
     assert out.read_bytes() == whole.read_bytes()
     assert told[0] > 0.3 or cut == 10**9  # not from the beginning
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out.nc", "whole.nc"]
