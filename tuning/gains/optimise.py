@@ -130,7 +130,7 @@ def optimise(
         population=effort.population,
         generations=effort.generations,
         seed=seed,
-        progress=lambda share: progress("gains and shaper: search", share),
+        progress=progress.part(0.0, 1.0, "gains and shaper: search"),
     )
     best, least = search.best, search.loss
     if effort.descents:

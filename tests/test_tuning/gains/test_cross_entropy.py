@@ -19,7 +19,6 @@ def search(losses, *, generations, seed=0):
         population=40,
         generations=generations,
         seed=seed,
-        progress=lambda share: None,
     )
 
 
