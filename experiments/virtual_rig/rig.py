@@ -36,7 +36,6 @@ from scdpr_jax.command.trajectory import table_3
 from scdpr_jax.legs.starts import rest_out_of_line
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace, value

@@ -27,7 +27,7 @@ from scdpr_jax.linear.modes import CONDITIONS, natural_frequencies
 from scdpr_jax.numerics.progress import Progress
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
-from scdpr_jax.robot.state import pose, rest
+from scdpr_jax.robot.state import rest
 
 
 def axes(measure, *texts):
@@ -168,7 +168,6 @@ def test_closed_loop_is_the_simulators(tmp_path):
             reference=reference,
         )
         q = np.asarray(run.states.position)
-        error = np.hypot(*(pose(q) - np.asarray(reference)).T)
         # The batch sums in another order; friction's switching keeps that far below.
         close = {"rtol": 1e-7, "atol": 1e-10}
         np.testing.assert_allclose(here.vibration, np.ptp(q[500:1500, 0]), **close)
