@@ -69,7 +69,7 @@ def closed_loop(
         ValueError: If the delay is negative.
     """
     return sampled_loop(
-        lambda state, held: step(robot, state, held),
+        lambda state, inputs: step(robot, state, inputs),
         robot,
         start,
         controller,
@@ -123,7 +123,7 @@ def sampled_loop(
         knock = jnp.zeros(intervals, dtype=period.dtype)
     if feedforward is None:
         feedforward = jnp.zeros((intervals + 1, 2), dtype=period.dtype)
-    commanded = joint_references(robot, reference)
+    references = joint_references(robot, reference)
 
     def measure(state: State) -> Float[Array, "2"]:
         angles = pulley_angles(robot, state, start)
@@ -134,17 +134,17 @@ def sampled_loop(
         given: tuple[Float[Array, "2"], Float[Array, "2"], Float[Array, ""]],
     ) -> tuple[tuple[State, Any, Float[Array, "delay 2"]], tuple[State, Float[Array, "2"]]]:
         state, memory, waiting = carry
-        wanted, forward, push = given
-        memory, command = controller.step(memory, wanted, measure(state))
+        commanded, forward, push = given
+        memory, command = controller.step(memory, commanded, measure(state))
         limited = saturate(command + forward, robot.drive.voltage_limit)
         queue = jnp.concatenate([waiting, limited[None]])
         following = advance(state, Inputs(period, queue[0], push))
         return (following, memory, queue[1:]), (following, queue[0])
 
-    memory = controller.initial_state(commanded[0], measure(start))
+    memory = controller.initial_state(references[0], measure(start))
     waiting = jnp.zeros((delay_samples, 2), dtype=period.dtype)
     _, (states, voltage) = lean_scan(
-        sample, (start, memory, waiting), (commanded[:-1], feedforward[:-1], knock)
+        sample, (start, memory, waiting), (references[:-1], feedforward[:-1], knock)
     )
     return ClosedLoop(
         time=period * jnp.arange(intervals + 1, dtype=period.dtype),

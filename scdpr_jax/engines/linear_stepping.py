@@ -74,8 +74,8 @@ def simulate_linear(
     )
     pushes = _accelerations(robot, voltage, knock)
 
-    def advance(state: Scalars, held: Scalars) -> tuple[Scalars, Scalars]:
-        state = jax.lax.fori_loop(0, substeps, lambda _, now: _step(tables, now, held), state)
+    def advance(state: Scalars, inputs: Scalars) -> tuple[Scalars, Scalars]:
+        state = jax.lax.fori_loop(0, substeps, lambda _, now: _step(tables, now, inputs), state)
         return state, state
 
     _, rows = lean_scan(advance, (*start.position, *start.velocity), pushes)
@@ -102,11 +102,11 @@ def linear_step(
     Returns:
         State at the end; what sticks has a velocity, or a pulley's rate, of exactly zero.
     """
-    held = tuple(push[0] for push in _accelerations(robot, voltage[None], knock[None]))
-    return _packed(_step(_unpacked(tables), (*state.position, *state.velocity), held))
+    inputs = tuple(push[0] for push in _accelerations(robot, voltage[None], knock[None]))
+    return _packed(_step(_unpacked(tables), (*state.position, *state.velocity), inputs))
 
 
-def _packed(state: Scalars) -> State:
+def _packed(state: tuple[Float[Array, " *samples"], ...]) -> State:
     """Coordinates and velocities, one after the other, as a state."""
     return State(jnp.stack(state[:5], axis=-1), jnp.stack(state[5:], axis=-1))
 
@@ -136,8 +136,8 @@ def _unpacked(tables: Propagator) -> Tables:
     return Tables(*(scalars(getattr(tables, name)) for name in Tables._fields))
 
 
-def _step(tables: Tables, state: Scalars, held: Scalars) -> Scalars:
-    drive, knock, lift = (tables.duration * acceleration for acceleration in held)
+def _step(tables: Tables, state: Scalars, inputs: Scalars) -> Scalars:
+    drive, knock, lift = (tables.duration * acceleration for acceleration in inputs)
     pushes = {LOWER: drive, UPPER: jnp.zeros_like(drive), HEIGHT: lift}
     start = Start(tables, Moving(state[:5], state[5:]), pushes)
     lower = carriage(start, LOWER) if tables.drives is None else pulleys(start)
