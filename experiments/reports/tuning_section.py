@@ -1,0 +1,195 @@
+"""What a report shows of gains and shapers, before and after: tables and figures."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from experiments.figures.tuning.bode import bode, open_loop
+from experiments.figures.tuning.margin_curves import margin_curves
+from experiments.figures.tuning.residual_vibration_map import residual_vibration_map
+from experiments.figures.tuning.shaper_response import shaper_response
+from experiments.figures.tuning.tracking import tracking
+from experiments.page.number_text import capitalised, percent, plain, short
+from experiments.page.page import Picture, Pictures
+from experiments.page.table import Table
+from experiments.studies.findings.tuning import TuningFindings, region_name
+from scdpr_jax.robot.drive import drive_gain, drive_pole
+from scdpr_jax.robot.parameters import Robot
+from tuning.loop.plant import MotorPlant
+from tuning.regions.schedule import regions_at
+from tuning.result.types import Metrics, RegionalShaper, Tuning
+
+_TOGETHER = 4
+"""Shapers in one figure: more lines can't be told apart."""
+
+DELAY = 1
+"""Samples from a measurement to its command that the margins are given for."""
+
+
+def tuning_pictures(
+    findings: TuningFindings, *, robot: Robot, picture: Pictures
+) -> tuple[Picture, ...]:
+    """The figures of a tuning.
+
+    Args:
+        findings: What it comes to.
+        robot: The robot that it is for.
+        picture: The page's figures.
+
+    Returns:
+        Bode plot, margins, shapers, residual vibration, and the predicted manoeuvres.
+    """
+    return tuple(_pictures(findings, robot, picture))
+
+
+def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
+    """A tuning's gains, shapers and predictions.
+
+    Args:
+        tuning: The tuning.
+
+    Returns:
+        The tables that aren't empty.
+    """
+    tables = (_gains(tuning), _shapers(tuning), _predicted(tuning))
+    return tuple(table for table in tables if table.rows)
+
+
+def _gains(tuning: Tuning) -> Table:
+    controller, margins = tuning.controller, tuning.margins
+    gain_margin = float(margins.gain_margin)
+    return Table(
+        "Controller of both drives",
+        ("quantity", "value", "unit"),
+        (
+            ("proportional gain", short(float(controller.proportional_gain)), "V/rad"),
+            ("derivative gain", short(float(controller.derivative_gain)), "V s/rad"),
+            ("derivative filter", short(1e3 * float(controller.filter_time), 4), "ms"),
+            ("sample period", short(1e3 * float(controller.period), 4), "ms"),
+            ("gain crossover", short(float(margins.gain_crossover), 4), "rad/s"),
+            ("phase margin", short(float(np.degrees(margins.phase_margin)), 4), "°"),
+            ("delay margin", short(1e3 * float(margins.delay_margin), 4), "ms"),
+            ("gain margin", short(20 * float(np.log10(gain_margin)), 4), "dB"),
+            ("peak sensitivity", short(float(margins.peak_sensitivity), 4), "1"),
+        ),
+    )
+
+
+def _shapers(tuning: Tuning) -> Table:
+    return Table(
+        "Shapers, for legs that end in the region",
+        (
+            "region",
+            "frequency [Hz]",
+            "band [Hz]",
+            "from",
+            "times [ms]",
+            "amplitudes [1]",
+            "left, nominal",
+            "worst",
+        ),
+        tuple(_shaper(regional) for regional in tuning.shapers),
+    )
+
+
+def _shaper(regional: RegionalShaper) -> tuple[str, ...]:
+    times = np.atleast_1d(np.asarray(regional.shaper.times))
+    amplitudes = np.atleast_1d(np.asarray(regional.shaper.amplitudes))
+    return (
+        region_name(regional),
+        short(regional.frequency, 4),
+        f"{short(regional.band[0], 4)} … {short(regional.band[1], 4)}",
+        "knock" if regional.measured else "model",
+        ", ".join(short(1e3 * float(time), 3) for time in times),
+        ", ".join(short(float(amplitude), 3) for amplitude in amplitudes),
+        percent(regional.residual_vibration.nominal),
+        percent(regional.residual_vibration.worst),
+    )
+
+
+_COMPARED = (
+    ("vibration after arrival [mm]", 1e3, "residual_vibration"),
+    ("resting error [mm]", 1e3, "resting_error"),
+    ("largest error, commanded [mm]", 1e3, "largest_error"),
+    ("largest error, unshaped [mm]", 1e3, "largest_original_error"),
+    ("largest command [V]", 1.0, "largest_voltage"),
+    ("saturated [%]", 100.0, "saturation"),
+)
+
+
+def _predicted(tuning: Tuning) -> Table:
+    def line(name: str, metrics: Metrics) -> tuple[str, ...]:
+        return (name, *(plain(f * getattr(metrics, field), 3) for _, f, field in _COMPARED))
+
+    return Table(
+        "Manoeuvres, simulated before and after",
+        ("manoeuvre", *(name for name, _, _ in _COMPARED)),
+        tuple(
+            row
+            for manoeuvre in tuning.predicted
+            for row in (
+                line(f"{manoeuvre.name}, before", manoeuvre.before),
+                line(f"{manoeuvre.name}, after", manoeuvre.after),
+            )
+        ),
+    )
+
+
+def _pictures(findings: TuningFindings, robot: Robot, picture: Pictures) -> Iterator[Picture]:
+    tuning, drive = findings.tuning, robot.drive
+    plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
+    crossover = float(tuning.margins.gain_crossover)
+    if np.isfinite(crossover):
+        loop = open_loop(plant, tuning.controller, delay=DELAY, crossover=crossover)
+        yield picture(
+            bode(loop, tuning.margins),
+            "Open loop of a drive as the controller runs it, sampled and one sample late. The "
+            "thick bars are the margins; the further from zero, the safer.",
+            narrow=True,
+        )
+    if findings.margins is not None:
+        yield picture(
+            margin_curves(findings.margins),
+            "Margins of the flexible robot's loops over the height of the end-effector; the "
+            "horizontal position doesn't matter. Sideways the cables' springs take away from "
+            "the bare drive's phase, while the upper carriage slides (solid) and while "
+            "friction holds it (dashed). Higher phase margins and lower peaks are safer; "
+            "dotted: 30° and 2, short of which a loop rings. A gap is an unstable loop.",
+        )
+    for first in range(0, len(findings.shapers), _TOGETHER):
+        yield picture(
+            shaper_response(findings.shapers[first : first + _TOGETHER]),
+            "What each shaper leaves of a vibration, over the vibration's frequency. Inside "
+            "its shaded band, two standard errors to either side, a shaper that cancels the "
+            "vibration is near zero. Right: the impulses. Dashed: 5 %.",
+        )
+    yield from _residual_pictures(findings, picture)
+    yield from _manoeuvre_pictures(tuning, float(drive.voltage_limit), picture)
+
+
+def _residual_pictures(findings: TuningFindings, picture: Pictures) -> Iterator[Picture]:
+    maps, shapers = findings.residual_maps, findings.tuning.shapers
+    if maps:
+        regions = [
+            [regional.region for regional in regions_at(shapers, each.pretension)]
+            for each in maps
+        ]
+        yield picture(
+            residual_vibration_map(maps, regions),
+            "What is left of a vibration of the held mode after a leg that ends at a pose, by "
+            "the shaper of that pose: the worst over two standard errors of the frequency, "
+            "which is the model's over the height, corrected by the knocks. Without a shaper "
+            "it is 100 % everywhere. About the dashed lines the regions' shapers are blended; "
+            "the cross is the worst place. White is out of reach.",
+        )
+
+
+def _manoeuvre_pictures(tuning: Tuning, limit: float, picture: Pictures) -> Iterator[Picture]:
+    for manoeuvre in tuning.predicted:
+        if manoeuvre.run_before is not None and manoeuvre.run_after is not None:
+            yield picture(
+                tracking(manoeuvre.run_before, manoeuvre.run_after, voltage_limit=limit),
+                f"{capitalised(manoeuvre.name)}, simulated with the fitted robot: before with "
+                "the published gains and the plain reference, after with the tuned gains and "
+                "the shaped one. Look at the lower left: what still moves after the arrival.",
+            )

@@ -1,0 +1,1 @@
+"""Robots of known truth, and the campaigns of logs that they leave."""
