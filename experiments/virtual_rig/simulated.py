@@ -97,7 +97,7 @@ def closed_loop(
         The run.
     """
     run = sampled_loop(
-        lambda state, held: _fine(robot, state, held),
+        _fine,
         robot,
         start,
         published_pd(),

@@ -10,10 +10,12 @@ Everything in a step is a scalar: batched by `jax.vmap` these are arrays with th
 side, which a processor works through two to four times as fast as stacked small matrices.
 """
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from scdpr_jax import native
 from scdpr_jax.contacts import stick_slip
 from scdpr_jax.contacts.linear_contacts import (
     Moving,
@@ -25,7 +27,6 @@ from scdpr_jax.contacts.linear_contacts import (
 )
 from scdpr_jax.contacts.stick_slip import Scalars
 from scdpr_jax.engines.propagator import Propagator, propagator
-from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import drive_forces, masses
@@ -70,21 +71,31 @@ def simulate_linear(
             f"`substeps` must be 1 or more [steps in an interval], got {substeps}. Take 1 for "
             "inputs every 5 ms, 5 for inputs every 25 ms."
         )
-    tables = _unpacked(
-        propagator(
-            robot, height=height, duration=interval / substeps, rubbing_drives=rubbing_drives
-        )
+    tables = propagator(
+        robot, height=height, duration=interval / substeps, rubbing_drives=rubbing_drives
     )
     pushes = _accelerations(robot, voltage, knock)
+    _, states = native.run(_advance, _Interval(tables, substeps), start, pushes)
+    return jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
 
-    def advance(state: Scalars, held: Scalars) -> tuple[Scalars, Scalars]:
-        state = jax.lax.fori_loop(0, substeps, lambda _, now: _step(tables, now, held), state)
-        return state, state
 
-    first = (*start.position, *start.velocity)
-    _, rows = lean_scan(advance, first, pushes)
-    columns = [jnp.concatenate([a[None], b]) for a, b in zip(first, rows, strict=True)]
-    return State(jnp.stack(columns[:5], axis=-1), jnp.stack(columns[5:], axis=-1))
+class _Interval(eqx.Module):
+    """What an interval of held inputs needs to know."""
+
+    tables: Propagator
+    """A tabulated step."""
+    substeps: int = eqx.field(static=True)
+    """Steps in the interval."""
+
+
+def _advance(interval: _Interval, state: State, held: Scalars) -> tuple[State, State]:
+    tables = _unpacked(interval.tables)
+    first = (*state.position, *state.velocity)
+    last = jax.lax.fori_loop(
+        0, interval.substeps, lambda _, now: _step(tables, now, held), first
+    )
+    following = State(jnp.stack(last[:5]), jnp.stack(last[5:]))
+    return following, following
 
 
 def linear_step(

@@ -20,9 +20,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from scdpr_jax import native
 from scdpr_jax.contacts import pulley_stick_slip, stick_slip
 from scdpr_jax.contacts.stick_slip import Quadratic, Scalars
-from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
 from scdpr_jax.robot.drive import motor_torque
@@ -63,13 +63,14 @@ def simulate(robot: Robot, start: State, inputs: Inputs) -> State:
     Raises:
         TypeError: If a carriage has another friction law.
     """
-
-    def advance(state: State, held: Inputs) -> tuple[State, State]:
-        following = step(robot, state, held)
-        return following, following
-
-    _, states = lean_scan(advance, start, inputs)
+    _, states = native.run(_advance, robot, start, inputs)
     return jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
+
+
+def _advance(robot: Robot, state: State, held: Inputs) -> tuple[State, State]:
+    """A step that is carried on and told."""
+    following = step(robot, state, held)
+    return following, following
 
 
 def interpolate(

@@ -16,6 +16,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from scdpr_jax import native
 from scdpr_jax.engines.stepping import Inputs, step
 from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.robot.fields import real, si
@@ -93,6 +94,7 @@ def simulate_tensioned(
         return jnp.clip(wanted, -tensioner.top_speed, tensioner.top_speed)
 
     def advance(
+        _: None,
         carry: tuple[State, Float[Array, ""]],
         given: tuple[Inputs, Float[Array, ""], Float[Array, ""]],
     ) -> tuple[
@@ -111,7 +113,7 @@ def simulate_tensioned(
 
     none = jnp.zeros_like(tensioner.setpoint)
     first = (start, tension(start, none, creep[0]), none)
-    _, rest = lean_scan(advance, (start, none), (inputs, creep[:-1], creep[1:]))
+    _, rest = native.run(advance, None, (start, none), (inputs, creep[:-1], creep[1:]))
     return TensionedRun(
         *jax.tree.map(lambda one, more: jnp.concatenate([one[None], more]), first, rest)
     )

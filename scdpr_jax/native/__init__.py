@@ -6,3 +6,4 @@
 """
 
 from .running import run as run
+from .running import scan as scan

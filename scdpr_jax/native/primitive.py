@@ -19,9 +19,9 @@ import jax.numpy as jnp
 from jax.extend.core import Primitive, jaxpr_as_fun
 from jax.interpreters import ad, batching, mlir
 
-from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.native import machine
 from scdpr_jax.native.traced import Step
+from scdpr_jax.numerics.lean_scan import lean_scan
 
 LANES = 8
 """Robots in a vector; a robot alone has code of its own."""

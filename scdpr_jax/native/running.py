@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PyTree
 
-from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.native import primitive
 from scdpr_jax.native.traced import Step, Traced, trace
+from scdpr_jax.numerics.lean_scan import lean_scan
 
 Parameters = TypeVar("Parameters")
 Carry = TypeVar("Carry")
@@ -52,12 +52,33 @@ def run(
     given = jax.tree.map(jnp.asarray, (parameters, start, inputs))
     traced = _traced(step, *given)
     if traced is None:
-        return lean_scan(functools.partial(step, given[0]), *given[1:])
+        return scan(step, *given)
     operands = (*traced.constants, *jax.tree.leaves(given))
     made = _whole(*operands, step=traced.step)
     own, structure = jax.tree.flatten(traced.outputs)
     kinds = zip(made, own, strict=True)
     return jax.tree.unflatten(structure, [x.astype(like.dtype) for x, like in kinds])
+
+
+def scan(
+    step: Callable[[Parameters, Carry, Inputs], tuple[Carry, Outputs]],
+    parameters: Parameters,
+    start: Carry,
+    inputs: Inputs,
+) -> tuple[Carry, Outputs]:
+    """What `run` does, as an XLA program: for steps that machine code has no rules for.
+
+    Args:
+        step: A step, from parameters, what is carried and a row of inputs to what is carried on
+            and outputs.
+        parameters: What is the same in all steps.
+        start: What is carried into the first step.
+        inputs: Inputs of the steps, along the first axis of every array.
+
+    Returns:
+        What the last step carries on, and the outputs along the first axis.
+    """
+    return lean_scan(functools.partial(step, parameters), start, inputs)
 
 
 def _traced(step: Callable, parameters: PyTree, start: PyTree, inputs: PyTree) -> Traced | None:

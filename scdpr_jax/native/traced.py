@@ -95,10 +95,14 @@ def trace(function: StepFunction, parameters: PyTree, carry: PyTree, row: PyTree
         made = _traced(function, structure, given, count)
         if any(isinstance(own, jax.core.Tracer) for own in made.constants):
             return made
+        if len(memory) >= _MOST_KEPT:
+            memory.clear()
         memory[key] = made
     return memory[key]
 
 
+_MOST_KEPT = 64
+"""Of one function, for as many kinds of arguments."""
 _memory: weakref.WeakKeyDictionary[Callable, dict[Hashable, Traced]] = (
     weakref.WeakKeyDictionary()
 )

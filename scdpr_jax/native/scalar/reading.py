@@ -238,7 +238,7 @@ def _repeated(
     carried, rows = num_consts + num_carry, inputs[num_consts + num_carry :]
     counted = [Constant(float(turn)) for turn in range(length)]
     outputs = len(jaxpr.out_avals) - num_carry
-    if reverse or outputs or any([*own.flat] != counted for own in rows):
+    if length == 1 or reverse or outputs or any([*own.flat] != counted for own in rows):
         return _written_out(
             scope, inputs, jaxpr, length, num_consts, num_carry, reverse=reverse
         )

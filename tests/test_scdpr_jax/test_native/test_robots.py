@@ -6,7 +6,7 @@ import numpy as np
 
 import scdpr_jax
 from scdpr_jax import native
-from scdpr_jax.lean_scan import lean_scan
+from scdpr_jax.numerics.lean_scan import lean_scan
 
 STEPS, ROBOTS, INTERVAL = 400, 24, 5e-3
 NAMES = ("effective_pretension", "drive_inertia", "drive_damping", "friction_coefficient")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from scdpr_jax import native
-from scdpr_jax.lean_scan import lean_scan
 from scdpr_jax.native import primitive
+from scdpr_jax.numerics.lean_scan import lean_scan
 
 STEPS, ROBOTS = 40, 11
 RANDOM = np.random.default_rng(5)
