@@ -21,6 +21,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from scdpr_jax import native
 from scdpr_jax.command.controller import Controller
 from scdpr_jax.command.sensors import Encoder
 from scdpr_jax.engines.closed_loop import ClosedLoop, sampled_loop
@@ -232,7 +233,7 @@ def simulate_closed_loop(
     _require_smooth(robot)
     method = Adaptive(max_steps=1_000) if method is None else method
 
-    def advance(state: State, inputs: Inputs) -> State:
+    def advance(robot: Robot, state: State, inputs: Inputs) -> State:
         solution = diffrax.diffeqsolve(
             diffrax.ODETerm(_equations(robot, lambda _: (inputs.voltage, inputs.knock))),
             method.solver,
@@ -258,6 +259,8 @@ def simulate_closed_loop(
         knock=knock,
         encoder=encoder,
         delay_samples=delay_samples,
+        # The solver takes as many steps as it needs.
+        run=native.scan,
     )
 
 

@@ -27,12 +27,12 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from scdpr_jax import native
 from scdpr_jax.contacts import branches, events, single
 from scdpr_jax.contacts.branches import PAIR, Pair, Three, act, less
 from scdpr_jax.contacts.motion import Assumed
 from scdpr_jax.contacts.polynomial import Cubic, Quadratic, cubic_between
 from scdpr_jax.contacts.response import Moving, Response, Scalars, departed
-from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
 from scdpr_jax.robot.drive import motor_torque
@@ -70,12 +70,7 @@ def simulate(robot: Robot, start: State, inputs: Inputs) -> State:
     Raises:
         TypeError: If a carriage has another friction law.
     """
-
-    def advance(state: State, inputs: Inputs) -> tuple[State, State]:
-        following = step(robot, state, inputs)
-        return following, following
-
-    _, states = lean_scan(advance, start, inputs)
+    _, states = native.run(_advance, robot, start, inputs)
     return with_start(start, states)
 
 
@@ -92,6 +87,12 @@ def with_start(start: _Run, following: _Run) -> _Run:
     return jax.tree.map(
         lambda first, rest: jnp.concatenate([first[None], rest]), start, following
     )
+
+
+def _advance(robot: Robot, state: State, held: Inputs) -> tuple[State, State]:
+    """A step that is carried on and told."""
+    following = step(robot, state, held)
+    return following, following
 
 
 def interpolate(

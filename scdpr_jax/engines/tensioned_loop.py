@@ -15,6 +15,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from scdpr_jax import native
 from scdpr_jax.engines.stepping import Inputs, step, with_start
 from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.robot.fields import real, si
@@ -92,6 +93,7 @@ def simulate_tensioned(
         return jnp.clip(asked, -tensioner.top_speed, tensioner.top_speed)
 
     def advance(
+        _: None,
         carry: tuple[State, Float[Array, ""]],
         given: tuple[Inputs, Float[Array, ""], Float[Array, ""]],
     ) -> tuple[
@@ -110,7 +112,7 @@ def simulate_tensioned(
 
     none = jnp.zeros_like(tensioner.setpoint)
     first = (start, tension(start, none, creep[0]), none)
-    _, following = lean_scan(advance, (start, none), (inputs, creep[:-1], creep[1:]))
+    _, following = native.run(advance, None, (start, none), (inputs, creep[:-1], creep[1:]))
     return TensionedRun(*with_start(first, following))
 
 
