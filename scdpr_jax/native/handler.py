@@ -89,7 +89,7 @@ kept:
         yield from load("%extension", "ptr", "%frame", frame["extension_start"])
         yield "%any = icmp ne ptr %extension, null"
         yield "br i1 %any, label %which, label %run\nwhich:"
-        kind = self.layout["XLA_FFI_Extension_Base"]["type"]
+        kind = self.layout["XLA_FFI_Metadata_Extension"]["extension_base.type"]
         yield from load("%kind", "i32", "%extension", kind)
         yield "%asks = icmp eq i32 %kind, 1"
         yield "br i1 %asks, label %asked, label %run\nasked:"

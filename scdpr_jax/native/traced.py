@@ -14,7 +14,7 @@ import numpy as np
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, Var
 from jaxtyping import PyTree
 
-from scdpr_jax.native.scalar.reading import derivative, is_real
+from scdpr_jax.native.scalar.reading import closed_jaxpr, derivative, is_real
 
 StepFunction = Callable[[Any, Any, Any], tuple[Any, Any]]
 """From parameters, what is carried and a row of inputs to what is carried on and outputs."""
@@ -190,13 +190,15 @@ def _parameter(key: str, own: Any, derivatives: bool) -> Iterator[str]:
             yield from _described(own, derivatives=derivatives)
             yield "}"
         case Jaxpr():
-            yield from _parameter(key, ClosedJaxpr(own, ()), derivatives)
+            yield from _parameter(key, closed_jaxpr(own), derivatives)
         case tuple() | list():
             yield f"{key} {len(own)}"
             for i, part in enumerate(own):
                 yield from _parameter(f"{key}.{i}", part, derivatives)
         case np.ndarray() | jax.Array():
             yield f"{key} {_value(own)}"
+        case _ if key in ("ft_in", "ft_out"):  # Which inputs of a `scan` are what.
+            yield f"{key} {own!r}"
         case None | bool() | int() | float() | str() | np.dtype() | type() | enum.Enum():
             yield f"{key} {own!r}"
         case _:

@@ -7,10 +7,11 @@ not all lanes need go one way does both, and each number is selected, as `jax.vm
 
 import functools
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import jax
 import numpy as np
-from jax.extend.core import ClosedJaxpr, JaxprEqn, Literal, jaxpr_as_fun
+from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, jaxpr_as_fun
 
 from scdpr_jax.native.scalar.arrays import ARRAYS, array, constants
 from scdpr_jax.native.scalar.program import Cell, Constant, Program, Value
@@ -89,13 +90,13 @@ def _results(scope: Scope, equation: JaxprEqn, inputs: list[np.ndarray]) -> list
             inner = params["jaxpr"] if "jaxpr" in params else params["call_jaxpr"]
             return _evaluated(scope, inner, inputs)
         case "checkpoint" | "remat2":
-            return _evaluated(scope, ClosedJaxpr(params["jaxpr"], ()), inputs)
+            return _evaluated(scope, closed_jaxpr(params["jaxpr"]), inputs)
         case "custom_jvp_call":
             return _with_own_derivative(scope, equation, inputs)
         case "cond":
             return _branched(scope, inputs, params["branches"])
         case "scan":
-            return _repeated(scope, inputs, **params)
+            return _repeated(scope, inputs, _scan_counts(params), params)
         case name if name in ARRAYS:
             made = ARRAYS[name](scope, *inputs, **params)
             return made if isinstance(made, list) else [made]
@@ -224,24 +225,39 @@ def _together(
     return _read(scope, cells)
 
 
+def closed_jaxpr(jaxpr: Jaxpr | ClosedJaxpr) -> ClosedJaxpr:
+    """A jaxpr of an equation that closes over nothing.
+
+    Args:
+        jaxpr: The jaxpr, open as JAX 0.10 has it or closed as JAX 0.12.
+
+    Returns:
+        It closed.
+    """
+    return jaxpr if isinstance(jaxpr, ClosedJaxpr) else ClosedJaxpr(jaxpr, ())
+
+
+def _scan_counts(params: Mapping[str, Any]) -> tuple[int, int]:
+    """How many constants and how many carried arrays come into a `scan`."""
+    if "num_carry" in params:
+        return params["num_consts"], params["num_carry"]
+    constants_, carried, _ = params["ft_in"].unpack()  # From JAX 0.12 on.
+    return len(constants_), len(carried)
+
+
 def _repeated(
     scope: Scope,
     inputs: list[np.ndarray],
-    *,
-    jaxpr: ClosedJaxpr,
-    length: int,
-    num_consts: int,
-    num_carry: int,
-    reverse: bool,
-    **_: object,
+    counts: tuple[int, int],
+    params: Mapping[str, Any],
 ) -> list[np.ndarray]:
+    num_consts, num_carry = counts
+    jaxpr, length = closed_jaxpr(params["jaxpr"]), params["length"]
     carried, rows = num_consts + num_carry, inputs[num_consts + num_carry :]
     counted = [Constant(float(turn)) for turn in range(length)]
-    outputs = len(jaxpr.out_avals) - num_carry
-    if length == 1 or reverse or outputs or any([*own.flat] != counted for own in rows):
-        return _written_out(
-            scope, inputs, jaxpr, length, num_consts, num_carry, reverse=reverse
-        )
+    written = len(jaxpr.out_avals) > num_carry or any([*own.flat] != counted for own in rows)
+    if length == 1 or params["reverse"] or written:
+        return _written_out(scope, inputs, jaxpr, length, counts, reverse=params["reverse"])
     cells = [_cells(scope, own) for own in jaxpr.out_avals]
     _write(scope, cells, inputs[num_consts:carried])
     inner = Scope(scope)
@@ -258,12 +274,12 @@ def _written_out(
     inputs: list[np.ndarray],
     jaxpr: ClosedJaxpr,
     length: int,
-    num_consts: int,
-    num_carry: int,
+    counts: tuple[int, int],
     *,
     reverse: bool,
 ) -> list[np.ndarray]:
     """A `scan` turn by turn."""
+    num_consts, num_carry = counts
     if length > MOST_TURNS:
         raise NotImplementedError(
             f"A `scan` with rows or outputs of its own over {length} turns, more than "
