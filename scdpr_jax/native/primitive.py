@@ -147,7 +147,7 @@ def _merged(arrays: Sequence, axes: Sequence, size: int, at: int) -> list[jax.Ar
     for x in wide:
         both = (1, 1) if x.shape[at : at + 2] == (1, 1) else (size, inner)
         full = jnp.broadcast_to(x, x.shape[:at] + both + x.shape[at + 2 :])
-        merged.append(full.reshape(*x.shape[:at], -1, *x.shape[at + 2 :]))
+        merged.append(full.reshape(*x.shape[:at], both[0] * both[1], *x.shape[at + 2 :]))
     return merged
 
 
@@ -159,10 +159,11 @@ def _batched(
     size = next(x.shape[axis] for x, axis in pairs if axis is not None)
     if any(axis is not None for axis in axes[:count]):
         found = own.bind(*_merged(given, axes, size, 0), **static)
-        return [x.reshape(size, -1, *x.shape[1:]) for x in found], [0] * len(found)
+        return [x.reshape(size, len(x) // size, *x.shape[1:]) for x in found], [0] * len(found)
     seeds = _merged(given[count:], axes[count:], size, 1)
     found = own.bind(*given[:count], *seeds, **static)
-    return [x.reshape(*x.shape[:-1], size, -1) for x in found], [x.ndim - 1 for x in found]
+    split = [x.reshape(*x.shape[:-1], size, x.shape[-1] // size) for x in found]
+    return split, [x.ndim - 1 for x in found]
 
 
 def _pushed(primals: Sequence, tangents: Sequence, *, step: Step) -> tuple[list, list]:
