@@ -153,6 +153,31 @@ def _fit(parts: Sequence[tuple[np.ndarray, ...]]) -> tuple[float, float, float] 
     return float(terms[0]), float(terms[1]), share
 
 
+def plain_gain(record: Record) -> float | None:
+    """Acceleration for a volt of a run whose drives do the same, friction not taken apart.
+
+    In one step, friction and a smaller gain are the same thing: to compare runs, the gain
+    must not depend on how they are shared out.
+
+    Args:
+        record: The run.
+
+    Returns:
+        The mean of both drives' gains [rad/(s² V)]; None if nothing moves.
+    """
+    rows = _weak_form(record)
+    if rows is None:
+        return None
+    gains = []
+    for drive in (0, 1):
+        bend, voltage, speed = (part[:, drive] for part in rows)
+        matrix = np.stack([voltage, -speed], axis=1)
+        size = np.sqrt(np.mean(matrix**2, axis=0))
+        if np.all(size > 0):
+            gains.append(float(non_negative(matrix / size, bend)[0] / size[0]))
+    return math.fsum(gains) / len(gains) if gains else None
+
+
 def drive_inertia(case: Case, found: dict[str, Response]) -> tuple[float, float] | None:
     r"""Inertia of the drives from two gains whose ratio doesn't know the command's unit.
 

@@ -1,10 +1,12 @@
 """Runs that aren't what their kind says."""
 
+import math
+
 import numpy as np
 
-from identification.doctor.case import Case, Record, Rig, X, Y
+from identification.doctor.case import Q3, Case, Record, Rig, X, Y
 from identification.doctor.findings import Finding
-from identification.doctor.relations.responses import responses
+from identification.doctor.relations.responses import plain_gain
 from identification.doctor.samples.motion import first_command, knocked, onset
 from identification.doctor.statistics import travel
 from identification.doctor.words import finding
@@ -18,7 +20,10 @@ UNKNOWN = 0.1
 PUSHED = 0.003
 """Swing of the end-effector that a knock gives at least [m]."""
 
-LIGHT = 1.5
+DRIVEN = 0.08
+"""Travel of the lower carriage, or of the height, that no knock gives [m]."""
+
+LIGHT = 1.2
 """Factor between the gains of bare drives, or of a bare one and the cable robot's."""
 
 
@@ -49,7 +54,7 @@ def _by_motion(record: Record, rig: Rig) -> list[Finding]:
         return []
     late = FIRST + (0.0 if record.offset_known else UNKNOWN)
     if record.kind == "pseudo_impulse":
-        return _no_knock(record, rig, late)
+        return _no_knock(record, rig)
     if moved is None or moved.swing < PUSHED or record.kind == "free":
         return []
     still = moved.before > record.time[0]
@@ -59,41 +64,40 @@ def _by_motion(record: Record, rig: Rig) -> list[Finding]:
     return []
 
 
-def _no_knock(record: Record, rig: Rig, late: float) -> list[Finding]:
-    moved = onset(record, rig)
-    if moved is None:
-        seen = travel(record.position[:, X])
-        return [_finding(record, "a pseudo-impulse in which nothing moves", 0, [seen])]
-    command = first_command(record, rig, 0.05)
-    if command < moved.before - late:
-        what = f"a command of {command:.3g} s precedes the motion of {moved.after:.3g} s"
-        return [_finding(record, what, moved.row, [command, moved.after])]
+def _no_knock(record: Record, rig: Rig) -> list[Finding]:
+    """Nothing that moves, or motion of a hand's breadth under a command: no knock does that."""
+    seen = [travel(record.position[:, column]) for column in (X, Q3, Y)]
+    if onset(record, rig) is None:
+        return [_finding(record, "nothing moves", 0, seen)]
+    driven = np.abs(record.voltage).max() > 0.05 * rig.voltage_limit
+    if driven and max(seen[1:]) > DRIVEN and not knocked(record, rig):
+        return [_finding(record, f"the drives move it by {max(seen[1:]):.3g} m", 0, seen)]
     return []
 
 
 def _by_gain(case: Case) -> list[Finding]:
     """A bare drive is lighter than one that pulls the robot."""
-    gains, found = {}, []
-    for record in case.records:
-        if not record.filmed:
-            alone = responses(case.only((record.name,)))
-            gains[record.name] = [each for each in alone.values() if each.unexplained < 0.1]
-    bare = [
-        max(each.gain for each in gains[record.name])
+    gains = {
+        record.name: gain
         for record in case.records
-        if record.kind == "motor_step" and gains.get(record.name)
+        if not record.filmed and (gain := plain_gain(record)) is not None
+    }
+    bare = [
+        gains[record.name]
+        for record in case.records
+        if record.kind == "motor_step" and record.name in gains
     ]
+    found = []
     for record in case.records:
-        mine = [each.gain for each in gains.get(record.name, ())]
-        if not mine or not bare:
+        mine = gains.get(record.name)
+        if mine is None or not bare:
             continue
-        if record.kind == "motor_step" and max(mine) * LIGHT < max(bare):
-            share = max(mine) / max(bare)
-            what = f"the drives accelerate {share:.2g} times as much as bare ones"
-            found.append(_finding(record, what, None, [max(mine), max(bare)]))
-        elif record.kind == "torque_step" and min(mine) * LIGHT**0.5 > max(bare):
+        if record.kind == "motor_step" and mine * LIGHT < max(bare):
+            what = f"the drives accelerate {mine / max(bare):.2g} times as much as bare ones"
+            found.append(_finding(record, what, None, [mine, max(bare)]))
+        elif record.kind == "torque_step" and mine * math.sqrt(LIGHT) > max(bare):
             what = "the drives accelerate as bare ones do"
-            found.append(_finding(record, what, None, [min(mine), max(bare)]))
+            found.append(_finding(record, what, None, [mine, max(bare)]))
     return found
 
 

@@ -119,11 +119,17 @@ def exchanged(case: Case, pairs: Sequence[tuple[str, str]]) -> Undone:
         return values if order == list(range(len(names))) else values[:, order]
 
     def exchange(record: Record) -> Record:
+        position = change(record.position, CAMERA_COLUMNS) if record.filmed else None
+        clock = {}
+        if position is not record.position and not record.offset_known:
+            # It was estimated with the other carriage, which lags.
+            clock = {"offset": 0.0, "settled": False}
         return dataclasses.replace(
             record,
             voltage=change(record.voltage, VOLTAGES),
             angle=change(record.angle, ANGLES),
-            position=change(record.position, CAMERA_COLUMNS) if record.filmed else None,
+            position=position,
+            **clock,
         )
 
     return Undone(case.map(exchange), {"do": "exchange", "columns": [list(p) for p in pairs]})

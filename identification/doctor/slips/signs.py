@@ -76,7 +76,7 @@ def _clipped(case: Case) -> Undone:
 def _scaled_to_limit(case: Case) -> Undone:
     """Commands of the robot that a controller scales until the largest one is admitted."""
     largest = max(float(np.max(np.abs(record.voltage))) for record in case.records)
-    share = min(1.0, case.rig.voltage_limit / largest)
+    share = min(1.0, case.rig.voltage_limit / max(largest, 1e-12))
 
     def command(record: Record) -> np.ndarray:
         return record.voltage * share if record.filmed else record.voltage
