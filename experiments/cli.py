@@ -2,26 +2,34 @@
 
 import sys
 
-VERBS: tuple[tuple[str, str], ...] = (
-    ("demo", "the main job on a campaign that it generates itself: truth beside estimate"),
-    ("calibrate", "the main job: check, identify, frequencies, tune, report"),
-    ("check", "the log doctor: every fault with file, row, cause and remedy"),
-    ("identify", "the robot's parameters with their uncertainty: parameters.json"),
-    ("design", "which experiment next: the run that narrows an interval the most a second"),
-    ("identify-drive", "one motor-driven axis: inertia, friction, offset from a log"),
-    ("frequencies", "natural frequency and damping of every knock: frequencies.csv"),
-    ("tune", "gains and input shapers from parameters and frequencies: tuning.json, export/"),
-    ("codesign", "gains, shaper and leg together, for every pose, setting and what is unknown"),
-    ("shape", "the input shaper for a measured spectrum: shaper.json"),
-    ("plan", "references and feed-forward of one leg that arrives without vibration"),
-    ("simulate", "one manoeuvre of a fitted robot"),
-    ("sweep", "frequency, workspace or closed loop over poses and parameters: netCDF"),
-    ("benchmark", "error beside speed, for this engine and its peers"),
-    ("reproduce", "the paper's tables and figures, beside what is printed, and judged"),
-)
-"""Every verb and what it does."""
+from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 
-DONE, FELL_SHORT, BAD_INPUT = 0, 1, 2
+VERBS: dict[str, dict[str, str]] = {
+    "main": {
+        "demo": "the main job on a campaign that it generates itself: truth beside estimate",
+        "calibrate": "the main job: check, identify, frequencies, tune, report",
+        "check": "the log doctor: every fault with file, row, cause and remedy",
+    },
+    "identification": {
+        "identify": "the robot's parameters with their uncertainty: parameters.json",
+        "identify-drive": "one motor-driven axis: inertia, friction, offset from a log",
+        "frequencies": "natural frequency and damping of every knock: frequencies.csv",
+        "design": "which experiment next: the run that narrows an interval the most a second",
+    },
+    "tuning": {
+        "tune": "gains and input shapers from parameters and frequencies: tuning.json, export/",
+        "plan": "references and feed-forward of one leg that arrives without vibration",
+        "shape": "the input shaper for a measured spectrum: shaper.json",
+        "codesign": "gains, shaper and leg together, over poses, settings and what is unknown",
+    },
+    "study": {
+        "simulate": "one manoeuvre of a fitted robot",
+        "sweep": "frequency, workspace or closed loop over poses and parameters: netCDF",
+        "benchmark": "error beside speed, for this engine and its peers",
+        "reproduce": "the paper's tables and figures, beside what is printed, and judged",
+    },
+}
+"""Every verb and what it does, by the wing of `experiments.verbs` that it stands in."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -38,19 +46,19 @@ def main(arguments: list[str] | None = None) -> int:
         print(_help())
         return DONE if arguments else BAD_INPUT
     verb, *rest = arguments
-    known = [name for name, _ in VERBS]
+    wings = {name: wing for wing, verbs in VERBS.items() for name in verbs}
     if verb == "--version":
         from importlib.metadata import version
 
         print(f"scdpr-jax {version('scdpr-jax')}")
         return DONE
-    if verb not in known:
+    if verb not in wings:
         import difflib
 
-        near = difflib.get_close_matches(verb, known, n=1)
+        near = difflib.get_close_matches(verb, wings, n=1)
         hint = f" Did you mean `scdpr {near[0]}`?" if near else ""
         print(
-            f"scdpr: unknown verb, got {verb!r}, expected one of: {', '.join(known)}.{hint} "
+            f"scdpr: unknown verb, got {verb!r}, expected one of: {', '.join(wings)}.{hint} "
             "See `scdpr --help`.",
             file=sys.stderr,
         )
@@ -60,7 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
     import tyro
 
     name = verb.replace("-", "_")
-    chosen = getattr(importlib.import_module(f"experiments.verbs.{name}"), name)
+    chosen = getattr(importlib.import_module(f"experiments.verbs.{wings[verb]}.{name}"), name)
     try:
         return tyro.cli(chosen, args=rest, prog=f"scdpr {verb}")
     except ValueError as error:
@@ -79,8 +87,9 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _help() -> str:
-    width = max(len(name) for name, _ in VERBS)
-    rows = [f"  {name:<{width}}  {does}" for name, does in VERBS]
+    verbs = {name: does for wing in VERBS.values() for name, does in wing.items()}
+    width = max(map(len, verbs))
+    rows = [f"  {name:<{width}}  {does}" for name, does in verbs.items()]
     return "\n".join(
         [
             "usage: scdpr VERB …",

@@ -22,7 +22,7 @@ def set_up(*, double: bool = True, all_cores: bool = False) -> None:
 
     Args:
         double: Whether to compute in float64; fits need it, maps don't.
-        all_cores: Whether each core is a device of its own, for `scdpr_jax.batches`.
+        all_cores: Whether each core is a device of its own, for `scdpr_jax.numerics.batches`.
     """
     jax.config.update("jax_enable_x64", double)
     if all_cores:

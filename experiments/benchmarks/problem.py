@@ -5,9 +5,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.dynamics import State, rest
-from scdpr_jax.parameters import Robot, replace
-from scdpr_jax.prototype import consistent
+from scdpr_jax.robot.dynamics import State, rest
+from scdpr_jax.robot.parameters import Robot, replace
+from scdpr_jax.robot.prototype import consistent
 
 FREE = ("friction_coefficient", "drive_inertia", "drive_damping", "effective_pretension")
 """What differs from run to run, and what Jacobians and fits are by."""

@@ -8,7 +8,7 @@ import platform
 from collections.abc import Sequence
 
 from experiments.benchmarks.line import Line, Settings
-from scdpr_jax.files import write_whole
+from scdpr_jax.numerics.files import write_whole
 
 PACKAGES = ("scdpr-jax", "jax", "jaxlib", "diffrax", "equinox", "optimistix", "numpy", "scipy")
 """Packages whose versions matter."""

@@ -2,8 +2,14 @@
 
 from collections.abc import Callable, Iterator
 
-from experiments.benchmarks import cold_start, fits, forward, frequencies, jacobians
 from experiments.benchmarks.line import Line, Settings
+from experiments.benchmarks.measurements import (
+    cold_start,
+    fits,
+    forward,
+    frequencies,
+    jacobians,
+)
 
 ROWS: tuple[tuple[str, Callable[[Settings], Iterator[Line]]], ...] = (
     ("forward-linear", forward.linear),

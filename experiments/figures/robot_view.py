@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 
-from experiments.style import (
+from experiments.page.style import (
     BLACK,
     BLUE,
     GREEN,
@@ -19,7 +19,7 @@ from experiments.style import (
     new_figure,
     styled,
 )
-from scdpr_jax.parameters import Robot
+from scdpr_jax.robot.parameters import Robot
 
 _PULLEY = 0.018  # m, radius of a drawn deflection pulley
 _PULLEY_HALF_GAP = 0.09  # m, half of the distance between the two inner cables

@@ -32,7 +32,7 @@ def _(mo):
 
 @app.cell
 def _(mo):
-    from experiments.reproduce.contradictions import CONTRADICTIONS
+    from experiments.paper.contradictions import CONTRADICTIONS
 
     lines = [
         f"| {one.sum} | {one.comes_to:.4g} | {one.number:.4g} {one.unit} | {one.printed} |"
@@ -48,7 +48,10 @@ def _(mo):
 
 @app.cell
 def _(mo):
-    from experiments.reproduce.derived import derived_as_printed, derived_consistently
+    from experiments.paper.topics.prototype.numbers import (
+        derived_as_printed,
+        derived_consistently,
+    )
 
     printed, used = derived_as_printed(), derived_consistently()
     mo.md(
@@ -67,8 +70,8 @@ def _(mo):
 
 @app.cell
 def _(mo, np):
-    from experiments.reproduce.knocks import MEASURED, effective_share, level
-    from scdpr_jax.modes import BOTH_HELD, DRIVEN, LOWER_HELD, PRINTED
+    from experiments.paper.topics.knocks.numbers import MEASURED, effective_share, level
+    from scdpr_jax.linear.modes import BOTH_HELD, DRIVEN, LOWER_HELD, PRINTED
 
     conditions = {
         "(18) as printed": PRINTED,
@@ -100,8 +103,8 @@ def _(mo, np):
 
 @app.cell
 def _(mo, np):
-    from experiments.figures.paper.manoeuvres import draw_errors
-    from experiments.reproduce.sections.manoeuvres import errors
+    from experiments.paper.topics.manoeuvres.figure import draw_errors
+    from experiments.paper.topics.manoeuvres.section import errors
 
     runs = errors()
     told = "\n".join(
@@ -125,7 +128,7 @@ def _(mo, np):
 def _(mo):
     from collections import Counter
 
-    from experiments.reproduce.claims import CLAIMS
+    from experiments.paper.every_claim import CLAIMS
 
     counted = Counter(claim.verdict.value for claim in CLAIMS)
     verdicts = "\n".join(f"- {count} {verdict}" for verdict, count in counted.items())

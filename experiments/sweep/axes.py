@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from identification.quantities import QuantityError, parse_quantity
-from scdpr_jax.parameters import Robot
+from identification.campaign.quantities import QuantityError, parse_quantity
+from scdpr_jax.robot.parameters import Robot
 
 
 class Variable(NamedTuple):

@@ -4,8 +4,8 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from experiments.sweep.measure import Measure, Output, Values, X, Y, only_if
-from scdpr_jax.modes import CONDITIONS, Condition, natural_frequencies
-from scdpr_jax.parameters import Robot
+from scdpr_jax.linear.modes import CONDITIONS, Condition, natural_frequencies
+from scdpr_jax.robot.parameters import Robot
 
 _MODES = max(condition.modes for condition in CONDITIONS)
 

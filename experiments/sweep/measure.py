@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from experiments.sweep.axes import Axis, Variable
-from scdpr_jax.parameters import QUANTITIES, Robot, value
+from scdpr_jax.robot.parameters import QUANTITIES, Robot, value
 
 Values = Mapping[str, Float[Array, ""]]
 """Values of a measure's own variables at a point, by name."""

@@ -7,12 +7,12 @@ from jaxtyping import Array
 
 from experiments.sweep.axes import Axis, Variable
 from experiments.sweep.measure import Measure, Output, Values, X, Y, only_if
-from scdpr_jax.closed_loop import closed_loop
-from scdpr_jax.controller import PD, published_pd
-from scdpr_jax.dynamics import rest
-from scdpr_jax.parameters import Robot
-from scdpr_jax.trajectory import rest_to_rest
-from scdpr_jax.workspace import static_workspace
+from scdpr_jax.command.controller import PD, published_pd
+from scdpr_jax.command.trajectory import rest_to_rest
+from scdpr_jax.engines.closed_loop import closed_loop
+from scdpr_jax.robot.dynamics import rest
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.statics.workspace import static_workspace
 
 PERIOD = 1e-3
 """Sample period of the loop, section 6 [s]."""

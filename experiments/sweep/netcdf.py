@@ -9,7 +9,7 @@ import xarray as xr
 from experiments.sweep.grid import Grid, blocks
 from experiments.sweep.measure import Measure, Output
 from experiments.sweep.store import Store
-from scdpr_jax.files import whole_file
+from scdpr_jax.numerics.files import whole_file
 
 BLOCK = 65536
 """Points in memory at a time."""

@@ -17,9 +17,9 @@ from experiments.sweep.grid import Grid
 from experiments.sweep.measure import Compute, Measure, Values
 from experiments.sweep.netcdf import write_dataset
 from experiments.sweep.store import Store, claim
-from identification.quantities import format_quantity
-from scdpr_jax.batches import in_chunks
-from scdpr_jax.parameters import QUANTITIES, Robot, replace
+from identification.campaign.quantities import format_quantity
+from scdpr_jax.numerics.batches import in_chunks
+from scdpr_jax.robot.parameters import QUANTITIES, Robot, replace
 
 _ROBOT = frozenset(quantity.name for quantity in QUANTITIES)
 

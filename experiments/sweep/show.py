@@ -7,7 +7,7 @@ import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
-from experiments.number_text import percent, short
+from experiments.page.number_text import percent, short
 from experiments.sweep.grid import blocks
 from experiments.sweep.netcdf import BLOCK
 

@@ -5,9 +5,9 @@ from jaxtyping import Array
 
 from experiments.sweep.axes import Variable
 from experiments.sweep.measure import Measure, Output, Values, X, Y
-from scdpr_jax.four_cables import needed_tension
-from scdpr_jax.parameters import Robot
-from scdpr_jax.workspace import geometric_region, static_workspace
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.statics.four_cables import needed_tension
+from scdpr_jax.statics.workspace import geometric_region, static_workspace
 
 
 def _workspaces(robot: Robot, at: Values) -> tuple[Array, ...]:

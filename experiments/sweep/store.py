@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scdpr_jax.files import write_whole
+from scdpr_jax.numerics.files import write_whole
 
 
 class Store(NamedTuple):

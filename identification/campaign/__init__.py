@@ -1,12 +1,11 @@
-"""Logged runs, format 1: read, check, write and import."""
+"""Logged runs, format 1: read, check and write."""
 
 from identification.campaign.check import Check as Check
 from identification.campaign.check import RunSummary as RunSummary
 from identification.campaign.check import check_campaign as check_campaign
 from identification.campaign.faults import CampaignError as CampaignError
 from identification.campaign.faults import Fault as Fault
-from identification.campaign.importers import import_drive_stream as import_drive_stream
-from identification.campaign.notes import Note as Note
+from identification.campaign.notes.note import Note as Note
 from identification.campaign.read import read_campaign as read_campaign
 from identification.campaign.types import KINDS as KINDS
 from identification.campaign.types import CameraStream as CameraStream

@@ -3,13 +3,13 @@
 import dataclasses
 from pathlib import Path
 
-from identification.campaign.camera_notes import CAMERA_OBSERVATIONS
-from identification.campaign.drive_notes import DRIVE_OBSERVATIONS
 from identification.campaign.faults import Fault
-from identification.campaign.notes import Note
+from identification.campaign.notes.camera import CAMERA_OBSERVATIONS
+from identification.campaign.notes.drive import DRIVE_OBSERVATIONS
+from identification.campaign.notes.note import Note
 from identification.campaign.read import RunReading, survey
 from identification.campaign.types import Campaign, Run
-from scdpr_jax.fields import si
+from scdpr_jax.robot.fields import si
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -4,11 +4,12 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
-from identification.campaign.document import row_of
 from identification.campaign.faults import CampaignError, Fault
+from identification.campaign.quantities import format_quantity
 from identification.campaign.schema import CampaignDocument, RunDocument, read_model
 from identification.campaign.streams import DRIVE_FILE, read_camera, read_drive
-from identification.campaign.text_file import read_text
+from identification.campaign.tables.document import row_of
+from identification.campaign.tables.text_file import read_text
 from identification.campaign.types import (
     Campaign,
     DriveStream,
@@ -18,7 +19,6 @@ from identification.campaign.types import (
     Sensors,
     default_sensors,
 )
-from identification.quantities import format_quantity
 
 CAMPAIGN_FILE = "campaign.toml"
 """Name of the file about the rig."""

@@ -16,11 +16,11 @@ from pydantic import (
     create_model,
 )
 
-from identification.campaign.document import read_document, row_of
 from identification.campaign.faults import Fault, listed
+from identification.campaign.quantities import QuantityError, parse_quantity
+from identification.campaign.tables.document import read_document, row_of
 from identification.campaign.types import KINDS
-from identification.quantities import QuantityError, parse_quantity
-from scdpr_jax.parameters import QUANTITIES
+from scdpr_jax.robot.parameters import QUANTITIES
 
 _Model = TypeVar("_Model", bound=BaseModel)
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64, Shaped
 
-from identification.campaign.columns import CAMERA, drive_columns
 from identification.campaign.faults import Fault
-from identification.campaign.table import read_table
+from identification.campaign.tables.columns import CAMERA, drive_columns
+from identification.campaign.tables.table import read_table
 from identification.campaign.types import CameraStream, DriveStream
 
 DRIVE_FILE = "drive.csv"

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64, Shaped
 
 from identification.campaign.faults import Fault
-from scdpr_jax.fields import si
+from scdpr_jax.robot.fields import si
 
 KINDS: tuple[str, ...] = (
     "torque_step",
@@ -139,7 +139,8 @@ class Campaign:
     counts_per_rev: float | None = dataclasses.field(default=None, metadata=si("1", ""))
     """Encoder counts of one turn of a driver pulley [1], None if unknown."""
     robot: dict[str, float] = dataclasses.field(default_factory=dict)
-    """What is known of the robot [SI], by the names of `scdpr_jax.parameters.QUANTITIES`."""
+    """What is known of the robot [SI], by the names of
+    `scdpr_jax.robot.parameters.QUANTITIES`."""
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
     """The sensors' noise."""
     skipped: tuple[tuple[str, tuple[Fault, ...]], ...] = ()

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64, Shaped
 
-from identification.campaign.document import FORMAT
 from identification.campaign.faults import CampaignError
+from identification.campaign.quantities import format_quantity
 from identification.campaign.read import CAMPAIGN_FILE, RUN_FILE, survey
 from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
+from identification.campaign.tables.document import FORMAT
 from identification.campaign.types import (
     CameraStream,
     Campaign,
@@ -22,8 +23,7 @@ from identification.campaign.types import (
     Run,
     encoder_resolution,
 )
-from identification.quantities import format_quantity
-from scdpr_jax.parameters import quantity
+from scdpr_jax.robot.parameters import quantity
 
 
 def write_campaign(campaign: Campaign, path: str | Path) -> None:

@@ -13,18 +13,22 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from scdpr_jax import stepping
-from scdpr_jax.cable import loop_forces, paths, potential
-from scdpr_jax.closed_loop import closed_loop
-from scdpr_jax.controller import published_pd
-from scdpr_jax.drive import drive_pole, motor_torque, transfer_function
-from scdpr_jax.dynamics import drive_forces, pulley_rates, rest
-from scdpr_jax.linear import external_forces, mass_matrix
-from scdpr_jax.loop_elasticity import consistent_section, loop_stiffness, published_section
-from scdpr_jax.parameters import replace
-from scdpr_jax.prototype import consistent, published
-from scdpr_jax.stiffness import cable_lengths
-from scdpr_jax.workspace import frame_share, static_workspace
+from scdpr_jax.command.controller import published_pd
+from scdpr_jax.engines import stepping
+from scdpr_jax.engines.closed_loop import closed_loop
+from scdpr_jax.linear.model import external_forces, mass_matrix
+from scdpr_jax.linear.stiffness import cable_lengths
+from scdpr_jax.robot.cable import loop_forces, paths, potential
+from scdpr_jax.robot.drive import drive_pole, motor_torque, transfer_function
+from scdpr_jax.robot.dynamics import drive_forces, pulley_rates, rest
+from scdpr_jax.robot.loop_elasticity import (
+    consistent_section,
+    loop_stiffness,
+    published_section,
+)
+from scdpr_jax.robot.parameters import replace
+from scdpr_jax.robot.prototype import consistent, published
+from scdpr_jax.statics.workspace import frame_share, static_workspace
 
 ROOT = pathlib.Path(__file__).parents[2]
 EPS = float(np.finfo(float).eps)
@@ -267,7 +271,7 @@ def test_every_test_that_the_errata_name_exists():
     text = (ROOT / "docs" / "errata.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`(test_\w+)\.py::(test_\w+)`", text))
     sources = {
-        path.stem: path.read_text(encoding="utf-8") for path in ROOT.glob("tests/*/*.py")
+        path.stem: path.read_text(encoding="utf-8") for path in ROOT.glob("tests/**/test_*.py")
     }
     missing = [
         f"{module}::{test}"

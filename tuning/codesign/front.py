@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tuning.admissible import Admissible
 from tuning.codesign.models import Models
 from tuning.codesign.search import Designed, co_design
+from tuning.loop.admissible import Admissible
 
 _SHORTEST, _LONGEST = 1.2, 2.1
 """Ends of the front over the time in which the drives' top speed would do the longest leg at

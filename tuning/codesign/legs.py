@@ -13,13 +13,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.closed_loop import closed_loop
-from scdpr_jax.controller import PD
-from scdpr_jax.fields import si
-from scdpr_jax.sensors import Encoder
-from scdpr_jax.side_by_side import side_by_side
+from scdpr_jax.command.controller import PD
+from scdpr_jax.command.sensors import Encoder
+from scdpr_jax.engines.closed_loop import closed_loop
+from scdpr_jax.numerics.side_by_side import side_by_side
+from scdpr_jax.robot.fields import si
 from tuning.codesign.models import Models, resting
-from tuning.objectives import tracking_error
+from tuning.gains.objectives import tracking_error
 
 COUNTS = 26624.0
 """Counts of the rigs' encoders for a turn of a driver pulley [1]."""

@@ -8,9 +8,9 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from scdpr_jax.dynamics import State, rest
-from scdpr_jax.fields import si
-from scdpr_jax.parameters import Robot
+from scdpr_jax.robot.dynamics import State, rest
+from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.parameters import Robot
 
 OUT_OF_LINE = 0.3
 """Slope of the line between the carriages before a leg over what friction can hold [1]."""

@@ -15,15 +15,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.controller import PD, published_pd
-from scdpr_jax.modes import held_frequency
-from scdpr_jax.shaper import Shaper
-from tuning.admissible import Admissible
-from tuning.catalogue import CATALOGUE
+from scdpr_jax.command.controller import PD, published_pd
+from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.linear.modes import held_frequency
 from tuning.codesign.legs import Command, Found, Grid, grid, linearise, run
 from tuning.codesign.models import Models
 from tuning.codesign.tail import descend, value_at_risk
 from tuning.codesign.unknowns import IMPULSES, Law, Unknowns, command, law, plain_profile, start
+from tuning.loop.admissible import Admissible
+from tuning.shapers.catalogue import CATALOGUE
 
 SHARE = 0.1
 """Share of the models, the worst of them, that a design is judged by [1]."""

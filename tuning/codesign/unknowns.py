@@ -14,11 +14,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.controller import PD
-from scdpr_jax.shaper import Shaper
-from scdpr_jax.trajectory import QUARTIC
-from tuning.admissible import Admissible
+from scdpr_jax.command.controller import PD
+from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.command.trajectory import QUARTIC
 from tuning.codesign.legs import Command, Grid
+from tuning.loop.admissible import Admissible
 
 ORDER = 7
 """Order of the leg's Bézier curve: four control points are free."""

@@ -4,11 +4,11 @@ import dataclasses
 import math
 from collections.abc import Sequence
 
-from scdpr_jax.shaper import Shaper
+from scdpr_jax.command.shaper import Shaper
 from tuning.export.description import Constants, Description, decimal
 from tuning.export.template import fill_in
-from tuning.schedule import grids_of, handover_widths
-from tuning.types import Range, RegionalShaper
+from tuning.regions.schedule import grids_of, handover_widths
+from tuning.result.types import Range, RegionalShaper
 
 FILE = "scdpr_controller.h"
 """The file's name."""
@@ -18,9 +18,9 @@ def c_header(description: Description) -> str:
     """The controller and the shapers as a self-contained C99 header.
 
     Functions are `static inline` on states that the caller owns; tables are `static const`.
-    The controller is `scdpr_jax.controller.PD` with `saturate`, a shaper step is one sample
-    of `scdpr_jax.shaper.shape_samples`: an impulse between two samples takes its share of
-    both. A schedule step is one of `tuning.schedule.scheduled_samples`.
+    The controller is `scdpr_jax.command.controller.PD` with `saturate`, a shaper step is one
+    sample of `scdpr_jax.command.shaper.shape_samples`: an impulse between two samples takes its
+    share of both. A schedule step is one of `tuning.regions.schedule.scheduled_samples`.
 
     Args:
         description: What is exported.

@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.drive import drive_gain, drive_pole
-from scdpr_jax.fields import si
-from tuning.plant import MotorPlant
-from tuning.types import RegionalShaper, Tuning
+from scdpr_jax.robot.drive import drive_gain, drive_pole
+from scdpr_jax.robot.fields import si
+from tuning.loop.plant import MotorPlant
+from tuning.result.types import RegionalShaper, Tuning
 
 
 @dataclasses.dataclass(frozen=True)

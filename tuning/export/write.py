@@ -2,10 +2,10 @@
 
 import pathlib
 
-from scdpr_jax.files import write_whole
+from scdpr_jax.numerics.files import write_whole
 from tuning.export import c_header, labview, matlab
 from tuning.export.description import describe
-from tuning.types import Tuning
+from tuning.result.types import Tuning
 
 FORMATS = (
     (c_header.FILE, c_header.c_header),

@@ -1,0 +1,1 @@
+"""What is measured: runs, Jacobians, fits, frequencies, cold starts."""

@@ -1,0 +1,58 @@
+"""This project's two engines as contenders."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from experiments.benchmarks.peers.contender import Contender
+from experiments.benchmarks.problem import (
+    HEIGHT,
+    LOG,
+    PARTS,
+    ROWS,
+    TORQUE_STEP,
+    robot_of,
+    start_of,
+)
+from scdpr_jax.engines import stepping
+from scdpr_jax.engines.linear_stepping import simulate_linear
+
+
+class LinearEngine(Contender):
+    """`scdpr_jax.engines.linear_stepping`."""
+
+    parts: int = eqx.field(static=True, default=PARTS)
+    """Steps in an interval of the log."""
+    rubbing_drives: bool = eqx.field(static=True, default=False)
+    """Whether the drives' dry friction is followed: the problem's drives have none."""
+
+    def __call__(self, values: Float[Array, "4"]) -> Float[Array, "rows 5"]:
+        robot = robot_of(values)
+        states = simulate_linear(
+            robot,
+            start_of(robot),
+            height=jnp.asarray(HEIGHT, values.dtype),
+            interval=jnp.asarray(LOG, values.dtype),
+            voltage=jnp.asarray(TORQUE_STEP, values.dtype),
+            substeps=self.parts,
+            rubbing_drives=self.rubbing_drives,
+        )
+        return states.position
+
+
+class NonlinearEngine(Contender):
+    """`scdpr_jax.engines.stepping`."""
+
+    parts: int = eqx.field(static=True, default=PARTS)
+    """Steps in an interval of the log."""
+
+    def __call__(self, values: Float[Array, "4"]) -> Float[Array, "rows 5"]:
+        robot = robot_of(values)
+        steps = self.parts * ROWS
+        inputs = stepping.Inputs(
+            duration=jnp.full(steps, LOG / self.parts, values.dtype),
+            voltage=jnp.repeat(jnp.asarray(TORQUE_STEP, values.dtype), self.parts, axis=0),
+            knock=jnp.zeros(steps, values.dtype),
+        )
+        states = stepping.simulate(robot, start_of(robot), inputs)
+        return states.position[:: self.parts]

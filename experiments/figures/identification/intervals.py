@@ -1,0 +1,133 @@
+"""How well each parameter is known, relative to its value."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from experiments.page.number_text import percent, plain
+from experiments.page.style import BLACK, BLUE, GREY, VERMILION, label, new_figure, styled
+from identification.judge.uncertainty import UNSEEN, WEAK, ParameterEstimate, magnitude
+
+
+class RelativeInterval(NamedTuple):
+    """A parameter's 95 % interval relative to its value."""
+
+    name: str
+    """Name and setting."""
+    half_width: float
+    """Half of the 95 % interval over the value's `magnitude` [1]; infinite where it isn't
+    known."""
+    error: float | None
+    """Estimate minus truth over truth [1], None where no truth is given."""
+    status: str
+    """What the estimate is worth."""
+
+
+def relative_intervals(
+    parameters: Sequence[ParameterEstimate], *, truth: dict[str, float] | None = None
+) -> tuple[RelativeInterval, ...]:
+    """Relative 95 % intervals of the estimated parameters.
+
+    Args:
+        parameters: The parameters; fixed ones are left out.
+        truth: True values by name [SI], where they are known.
+
+    Returns:
+        One for each estimated parameter.
+    """
+    found = []
+    for parameter in parameters:
+        if parameter.status == "fixed":
+            continue
+        half = (parameter.interval95[1] - parameter.interval95[0]) / 2
+        size = magnitude(parameter.name, parameter.value)
+        known = (truth or {}).get(parameter.name)
+        found.append(
+            RelativeInterval(
+                name=shown_name(parameter),
+                half_width=half / size if size else np.inf,
+                error=parameter.value / known - 1 if known else None,
+                status=parameter.status,
+            )
+        )
+    return tuple(found)
+
+
+def shown_name(parameter: ParameterEstimate) -> str:
+    """A parameter's name in words, with its setting.
+
+    Args:
+        parameter: The parameter.
+
+    Returns:
+        "effective pretension at 350 N".
+    """
+    words = parameter.name.replace("_", " ")
+    return words if parameter.setting is None else f"{words} at {parameter.setting}"
+
+
+@styled
+def intervals(
+    parameters: Sequence[ParameterEstimate], *, truth: dict[str, float] | None = None
+) -> Figure:
+    """Relative 95 % intervals on a logarithmic axis: the shorter, the better known.
+
+    Args:
+        parameters: The parameters; fixed ones are left out.
+        truth: True values by name [SI]; the distance from them is marked.
+
+    Returns:
+        The figure.
+    """
+    rows = relative_intervals(parameters, truth=truth)
+    figure = new_figure(height=1.2 + 0.38 * len(rows), width=9.0)
+    axes = figure.subplots()
+    sizes = [100 * row.half_width for row in rows if 0 < row.half_width < np.inf]
+    errors = [100 * abs(row.error) for row in rows if row.error]
+    least = 10 ** np.floor(np.log10(min([*sizes, *errors, 1.0])) - 0.3)
+    most = max(300.0, *sizes, *errors) if sizes or errors else 300.0
+    for place, row in enumerate(rows):
+        end = min(max(100 * row.half_width, least), most)
+        axes.plot([least, end], [place, place], color=BLUE, lw=7, solid_capstyle="butt")
+        note = f"±{percent(row.half_width)}  {row.status.replace('_', ' ')}"
+        axes.annotate(
+            note,
+            (end, place),
+            xytext=(7, 8 if row.error else 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=9,
+        )
+        if row.error:
+            axes.plot(100 * abs(row.error), place, "X", color=VERMILION, ms=8, mew=0, zorder=3)
+    for limit, text in ((WEAK, "weak"), (UNSEEN, "unidentifiable")):
+        # A standard error's limit, drawn at the two of them that half an interval is about.
+        axes.axvline(200 * limit, color=GREY, ls="--", lw=0.9)
+        axes.annotate(
+            f"{text} →",
+            (200 * limit, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(2, 2),
+            textcoords="offset points",
+            fontsize=8,
+            color=GREY,
+        )
+    if any(row.error for row in rows):
+        axes.plot(
+            [], [], "X", color=VERMILION, ms=8, mew=0, ls="", label="distance from the truth"
+        )
+        axes.plot([], [], color=BLUE, lw=7, label="half of the 95 % interval")
+        figure.legend(loc="outside upper right", ncols=2)
+    axes.set_xscale("log")
+    axes.set_xlim(least, 3 * most)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.set_yticks(range(len(rows)), [row.name for row in rows], color=BLACK)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(False, axis="y")
+    axes.set_xlabel(label("half of the 95 % interval, relative to the value", "%"))
+    axes.xaxis.set_major_formatter(lambda value, _: plain(value, 1))
+    axes.xaxis.set_minor_locator(NullLocator())
+    return figure

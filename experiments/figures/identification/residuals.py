@@ -1,0 +1,106 @@
+"""What a simulation leaves of the measurements, in units of the sensors' noise."""
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from experiments.page.coordinates import CAMERA, ENCODERS
+from experiments.page.style import BLUE, GREY, ORANGE, label, legend_above, new_figure, styled
+from identification.fit.comparison import Comparison
+
+_BINS = 150
+_LEAST = 4.0  # standard deviations: noise alone fills the axis up to here
+
+
+def residuals_in_sigma(
+    comparison: Comparison,
+) -> dict[str, tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]]:
+    """Measurement minus simulation over the sensor's standard deviation.
+
+    Args:
+        comparison: The run.
+
+    Returns:
+        Time [s] and residual [1] of each channel that was measured, by its name.
+    """
+    angle = comparison.measured_angle - comparison.simulated_angle
+    frame = comparison.measured - comparison.simulated
+    found = {}
+    for channel in comparison.channels:
+        names = [coordinate.name for coordinate in ENCODERS]
+        if channel.name in names:
+            time, values = comparison.time, angle[:, names.index(channel.name)]
+        else:
+            column = [coordinate.name for coordinate in CAMERA].index(channel.name)
+            time, values = comparison.frame_time, frame[:, column]
+        seen = np.isfinite(values)
+        found[channel.name] = (time[seen], values[seen] / channel.sigma)
+    return found
+
+
+@styled
+def residuals(comparison: Comparison) -> Figure:
+    """Residuals of a run over time, the band of two standard deviations shaded.
+
+    Args:
+        comparison: The run.
+
+    Returns:
+        The figure: camera and encoders, without a camera the encoders only.
+    """
+    found = residuals_in_sigma(comparison)
+    camera = [coordinate for coordinate in CAMERA if coordinate.name in found]
+    figure = new_figure(height=2.4)
+    grid = np.atleast_1d(figure.subplots(1, 2 if camera else 1, sharex=True))
+    if camera:
+        for coordinate in camera:
+            grid[0].plot(
+                *found[coordinate.name],
+                ls="",
+                marker=coordinate.marker,
+                ms=3.2,
+                mew=0,
+                alpha=0.8,
+                color=coordinate.color,
+                label=coordinate.symbol,
+            )
+        _finish(grid[0], "camera residual")
+    for coordinate, color in zip(ENCODERS, (BLUE, ORANGE), strict=True):
+        if coordinate.name in found:
+            _band(grid[-1], *found[coordinate.name], color=color, name=coordinate.symbol)
+    _finish(grid[-1], "encoder residual")
+    return figure
+
+
+def _band(
+    axes: Axes,
+    time: Float[np.ndarray, " n"],
+    values: Float[np.ndarray, " n"],
+    *,
+    color: str,
+    name: str,
+) -> None:
+    """A dense series as the band of its extremes and the line of its means."""
+    bins = np.array_split(np.arange(len(time)), min(_BINS, len(time)))
+    low, high, mean, at = (
+        np.array([take(part[index]) for index in bins])
+        for take, part in (
+            (np.min, values),
+            (np.max, values),
+            (np.mean, values),
+            (np.mean, time),
+        )
+    )
+    axes.fill_between(at, low, high, color=color, alpha=0.3, lw=0)
+    axes.plot(at, mean, color=color, lw=1.3, label=f"{name} mean and extremes")
+
+
+def _finish(axes: Axes, name: str) -> None:
+    axes.axhspan(-2, 2, color="#ececec", zorder=0, label="±2 σ")
+    axes.axhline(0, color=GREY, lw=0.6)
+    axes.set_xlabel(label("time", "s"))
+    axes.set_ylabel(label(name, "σ"))
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -_LEAST), max(high, _LEAST))
+    legend_above(axes, columns=6)

@@ -1,0 +1,1 @@
+"""Figures of loops, shapers and legs."""

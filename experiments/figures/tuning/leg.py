@@ -1,0 +1,100 @@
+"""A planned leg beside the plain one: the way, the arrival, the commands, other robots."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from experiments.figures.tuning.tracking import draw_commands, name_commands
+from experiments.page.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILION,
+    figure_legend,
+    label,
+    new_figure,
+    styled,
+    thinned,
+)
+from experiments.studies.planned_leg import SETTLED, SIDES, Compared, LegRun
+
+_BEFORE = 0.4
+"""Time before the leg's end that its arrival is shown from [s]."""
+_STYLES = ((VERMILION, 1.3), (BLUE, 1.7))
+_LEAST = 1e-3
+"""Vibration below which it is drawn as this [mm]: a count of the encoders moves more."""
+
+
+@styled
+def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
+    """A leg before and after planning.
+
+    Args:
+        compared: Its runs.
+        leg_time: Time of the leg [s].
+        voltage_limit: Largest command of either sign [V].
+
+    Returns:
+        The figure.
+    """
+    figure = new_figure(height=6.6)
+    way, arrival, command, others = figure.subplots(2, 2).ravel()
+    fitted = compared.planned[0]
+    _, target = _along(fitted)
+    way.plot(
+        *thinned(fitted.time, 1e3 * target),
+        color=BLACK,
+        lw=1.0,
+        ls="--",
+        zorder=3,
+        label="reference of the plan",
+    )
+    sides = zip(SIDES, (compared.plain, compared.planned), _STYLES, strict=True)
+    for name, runs, (color, width) in sides:
+        first: LegRun = runs[0]
+        done, _ = _along(first)
+        way.plot(*thinned(first.time, 1e3 * done), color=color, lw=width, label=name)
+        late = first.time >= leg_time - _BEFORE
+        away = 1e3 * (first.position[late, 0] - first.reference[-1, 0])
+        arrival.plot(*thinned(first.time[late], away), color=color, lw=width)
+        draw_commands(command, first.time, first.voltage, color=color)
+        left = [max(1e3 * run.figures.vibration, _LEAST) for run in runs]
+        others.plot(left, range(len(runs)), "o", color=color)
+    _bounds(arrival, leg_time, compared)
+    name_commands(command, voltage_limit=voltage_limit)
+    others.set_yticks(range(len(compared.names)), compared.names)
+    others.invert_yaxis()
+    others.set_xscale("log")
+    others.set_axisbelow(True)
+    way.set_title("on the way")
+    way.set_ylabel(label("way covered", "mm"))
+    arrival.set_title(f"on arrival, and the band of ±{1e3 * SETTLED:g} mm")
+    arrival.set_ylabel(label("xₑ from the target", "mm"))
+    for axes in (way, arrival):
+        axes.set_xlabel(label("time", "s"))
+    others.set_title("on robots as they might be")
+    others.set_xlabel(label("vibration after the leg, peak to peak", "mm"))
+    figure_legend(figure, way, columns=3)
+    return figure
+
+
+def _along(run: LegRun) -> tuple[np.ndarray, np.ndarray]:
+    """Ways of the end-effector and of its reference along the leg [m]."""
+    start, end = run.reference[0], run.reference[-1]
+    direction = (end - start) / np.hypot(*(end - start))
+    return (run.position - start) @ direction, (run.reference - start) @ direction
+
+
+def _bounds(arrival: Axes, leg_time: float, compared: Compared) -> None:
+    """The band in which a leg has settled, and the moment at which its reference ends."""
+    band = 1e3 * SETTLED
+    arrival.axhspan(-band, band, color=GREY, alpha=0.18, lw=0)
+    arrival.axvline(leg_time, color=GREY, ls=":", lw=1)
+    # On its way the end-effector is far off: what is of interest happens at the end.
+    runs = (compared.plain[0], compared.planned[0])
+    after = [
+        1e3 * np.abs(run.position[run.time >= leg_time, 0] - run.reference[-1, 0]).max()
+        for run in runs
+    ]
+    reach = 1.2 * max(band, *after)
+    arrival.set_ylim(-reach, reach)

@@ -1,0 +1,113 @@
+"""What a shaper leaves of a vibration, over the vibration's frequency."""
+
+import itertools
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+from matplotlib.figure import Figure
+
+from experiments.page.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    figure_legend,
+    label,
+    new_figure,
+    styled,
+)
+from scdpr_jax.command.shaper import Shaper, residual_vibration
+
+_POINTS = 500
+_STYLES = (
+    (BLUE, "-"),
+    (VERMILION, "--"),
+    (GREEN, "-."),
+    (PURPLE, ":"),
+    (ORANGE, "-"),
+    (SKY, "--"),
+)
+
+
+class NamedShaper(NamedTuple):
+    """A shaper of a figure."""
+
+    name: str
+    """What it is called."""
+    shaper: Shaper
+    """Its impulses."""
+    damping_ratio: float
+    """Damping ratio that it meets [1]."""
+    band: tuple[float, float]
+    """Frequencies that it may meet [Hz]."""
+
+
+def residual_curve(
+    named: NamedShaper, frequency: Float[np.ndarray, " points"]
+) -> Float[np.ndarray, " points"]:
+    """Residual vibration of a shaper over the frequency that it meets.
+
+    Args:
+        named: The shaper.
+        frequency: Frequencies [Hz].
+
+    Returns:
+        Residual vibration [1], 1 for as much as without a shaper.
+    """
+    ratio = jnp.asarray(named.damping_ratio)
+    return np.asarray(_residual_curve(named.shaper, jnp.asarray(frequency), ratio))
+
+
+@jax.jit
+def _residual_curve(
+    shaper: Shaper, frequency: Float[Array, " points"], ratio: Float[Array, ""]
+) -> Float[Array, " points"]:
+    return jax.vmap(lambda f: residual_vibration(shaper, frequency=f, damping_ratio=ratio))(
+        frequency
+    )
+
+
+@styled
+def shaper_response(shapers: Sequence[NamedShaper], *, tolerance: float = 0.05) -> Figure:
+    """Residual vibration over frequency, and the impulses.
+
+    Args:
+        shapers: The shapers; the band of each is shaded.
+        tolerance: Residual vibration to draw a line at [1].
+
+    Returns:
+        The figure.
+    """
+    low = 0.5 * min(named.band[0] for named in shapers)
+    high = 1.5 * max(named.band[1] for named in shapers)
+    frequency = np.linspace(low, high, _POINTS)
+    figure = new_figure(height=3.8)
+    left, right = figure.subplots(1, 2, width_ratios=(2, 1))
+    highest = 100.0
+    for (color, style), named in zip(itertools.cycle(_STYLES), shapers, strict=False):
+        curve = 100 * residual_curve(named, frequency)
+        highest = max(highest, float(curve.max()))
+        left.plot(frequency, curve, color=color, ls=style, label=named.name)
+        left.axvspan(*named.band, color=color, alpha=0.15, lw=0)
+        left.axvline(sum(named.band) / 2, color=color, lw=0.8, alpha=0.7)
+        times = 1e3 * np.asarray(named.shaper.times)
+        amplitudes = np.asarray(named.shaper.amplitudes)
+        stems = right.vlines(times, 0, amplitudes, color=color, lw=2.5)
+        stems.set_linestyle(style)
+        right.plot(times, amplitudes, "o", color=color, ms=5)
+    left.axhline(100 * tolerance, color="#999999", ls=(0, (2, 2)), lw=1)
+    left.set_ylim(0, 1.05 * highest)
+    left.set_xlim(low, high)
+    left.set_xlabel(label("frequency of the vibration", "Hz"))
+    left.set_ylabel(label("residual vibration", "%"))
+    right.axhline(0, color="#999999", lw=0.8)
+    right.set_xlabel(label("time", "ms"))
+    right.set_ylabel(label("impulse amplitude", "1"))
+    figure_legend(figure, left, columns=2)
+    return figure

@@ -1,0 +1,143 @@
+"""A measured spectrum, what shapers leave of it, and vibration against duration."""
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.figure import Figure
+
+from experiments.figures.tuning.shaper_response import NamedShaper, residual_curve
+from experiments.page.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    figure_legend,
+    label,
+    new_figure,
+    styled,
+)
+from tuning.shapers.spectrum import THRESHOLD, Spectrum
+from tuning.shapers.spectrum_design import SpectrumDesign
+
+_POINTS = 600
+_STYLES = ((VERMILION, "-"), (GREEN, "--"), (PURPLE, "-."), (ORANGE, ":"))
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+_LEAST = 1e-3
+"""Vibration left below which a mark is drawn at the axis's lower end [%]."""
+
+
+@styled
+def shaped_spectrum(spectrum: Spectrum, shapers: Sequence[NamedShaper]) -> Figure:
+    """The spectrum before and after shaping, the shapers' residual vibration, impulses.
+
+    Args:
+        spectrum: The spectrum.
+        shapers: Up to four shapers, each with the damping ratio to draw it at.
+
+    Returns:
+        The figure.
+    """
+    figure = new_figure(height=6.4)
+    grid = figure.add_gridspec(2, 2, width_ratios=(2, 1))
+    power, left = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0])
+    impulses = figure.add_subplot(grid[:, 1])
+    power.sharex(left)
+    power.fill_between(spectrum.frequency, spectrum.power, color=SKY, alpha=0.35, lw=0)
+    power.plot(spectrum.frequency, spectrum.power, color=BLUE, lw=1.6, label="measured")
+    power.axhline(THRESHOLD, color=GREY, ls=(0, (2, 2)), lw=1)
+    fine = np.linspace(float(spectrum.frequency[0]), float(spectrum.frequency[-1]), _POINTS)
+    for (color, style), named in zip(_STYLES, shapers, strict=False):
+        curve = 100 * residual_curve(named, fine)
+        left.plot(fine, curve, color=color, ls=style, label=named.name)
+        after = spectrum.power * residual_curve(named, spectrum.frequency)
+        power.plot(spectrum.frequency, after, color=color, ls=style, label=named.name)
+        times = 1e3 * np.asarray(named.shaper.times)
+        amplitudes = np.asarray(named.shaper.amplitudes)
+        impulses.vlines(times, 0, amplitudes, color=color, lw=2.2).set_linestyle(style)
+        impulses.plot(times, amplitudes, "o", color=color, ms=5)
+    power.set_ylabel(label("spectrum over its peak", "1"))
+    power.set_ylim(0, 1.05)
+    left.set_ylim(0, 105)
+    left.set_ylabel(label("residual vibration", "%"))
+    left.set_xlabel(label("frequency", "Hz"))
+    left.set_xlim(0, float(spectrum.frequency[-1]))
+    impulses.set_ylim(bottom=0)
+    impulses.set_xlabel(label("time", "ms"))
+    impulses.set_ylabel(label("impulse amplitude", "1"))
+    figure.align_ylabels([power, left])
+    figure_legend(figure, power)
+    return figure
+
+
+def front_curve(
+    design: SpectrumDesign,
+) -> tuple[Float[np.ndarray, " designs"], Float[np.ndarray, " designs"]]:
+    """Duration [ms] and vibration left [%] of every optimised design, in order.
+
+    Args:
+        design: The design.
+
+    Returns:
+        Durations and vibrations.
+    """
+    instead = itertools.chain.from_iterable(
+        (one.same_duration, one.same_vibration) for one in design.compared
+    )
+    every = [*design.front, *instead, design.recommended]
+    points = sorted({(1e3 * float(d.shaper.duration), 100 * d.residual) for d in every})
+    durations, vibrations = np.array(points).T
+    return durations, vibrations
+
+
+@styled
+def duration_against_vibration(design: SpectrumDesign) -> Figure:
+    """The front of optimised shapers, and the catalogue's above it.
+
+    Args:
+        design: The design.
+
+    Returns:
+        The figure.
+    """
+    figure = new_figure(height=3.8)
+    axes = figure.subplots()
+    durations, vibrations = front_curve(design)
+    axes.plot(
+        durations,
+        np.maximum(vibrations, _LEAST),
+        color=BLUE,
+        lw=1.8,
+        marker=".",
+        ms=6,
+        label="optimised",
+    )
+    for marker, one in zip(itertools.cycle(_MARKERS), design.compared, strict=False):
+        axes.plot(
+            1e3 * float(one.fit.shaper.duration),
+            max(100 * one.fit.residual, _LEAST),
+            marker=marker,
+            color=VERMILION,
+            ls="none",
+            ms=7,
+            label=one.fit.entry.name,
+        )
+    axes.plot(
+        1e3 * float(design.recommended.shaper.duration),
+        max(100 * design.recommended.residual, _LEAST),
+        marker="*",
+        color=GREEN,
+        ls="none",
+        ms=15,
+        label="recommended",
+    )
+    axes.set_yscale("log")
+    axes.set_ylim(0.7 * _LEAST, 100)
+    axes.set_xlabel(label("duration of the shaper", "ms"))
+    axes.set_ylabel(label("vibration left", "%"))
+    figure_legend(figure, axes, columns=5)
+    return figure

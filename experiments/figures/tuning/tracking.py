@@ -1,0 +1,129 @@
+"""A manoeuvre under control before and after tuning."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from experiments.page.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILION,
+    figure_legend,
+    label,
+    new_figure,
+    styled,
+    thinned,
+)
+from tuning.result.types import TrackingRun
+
+_SIDES = (("before", VERMILION, 1.3), ("after", BLUE, 1.7))
+
+
+class TrackingNumbers(NamedTuple):
+    """What a run's figure shows besides its traces."""
+
+    error: Float[np.ndarray, " samples"]
+    """Distance of the end-effector from the unshaped reference, Eq. (26) [m]."""
+    arrival: float
+    """When the commanded reference has come to rest [s]."""
+    rest: Float[np.ndarray, " rest"]
+    """What $x_e$ does after the arrival, about its mean [m]."""
+
+
+def tracking_numbers(run: TrackingRun) -> TrackingNumbers:
+    r"""Errors of a run, $\varepsilon_e = |Q_e^* - Q_e|$, Eq. (26), and its rest.
+
+    Args:
+        run: The run.
+
+    Returns:
+        Its numbers.
+    """
+    error = np.linalg.norm(run.reference - run.position, axis=1)
+    moving = np.flatnonzero(np.any(np.diff(run.commanded, axis=0) != 0, axis=1))
+    arrived = int(moving[-1]) + 1 if moving.size else 0
+    rest = run.position[arrived:, 0]
+    return TrackingNumbers(error, float(run.time[arrived]), rest - rest.mean())
+
+
+@styled
+def tracking(before: TrackingRun, after: TrackingRun, *, voltage_limit: float) -> Figure:
+    """Position, error, rest after the arrival, and commands, before and after.
+
+    Args:
+        before: With the controller and reference as they were.
+        after: With the tuned ones.
+        voltage_limit: Largest command of either sign [V].
+
+    Returns:
+        The figure.
+    """
+    figure = new_figure(height=6.2)
+    position, error, rest, command = figure.subplots(2, 2).ravel()
+    axis = int(np.ptp(before.reference[:, 1]) > np.ptp(before.reference[:, 0]))
+    position.plot(
+        *thinned(before.time, 1e3 * before.reference[:, axis]),
+        color=BLACK,
+        lw=1.0,
+        ls="--",
+        zorder=3,
+        label="reference",
+    )
+    for run, (name, color, width) in zip((before, after), _SIDES, strict=True):
+        numbers = tracking_numbers(run)
+        position.plot(
+            *thinned(run.time, 1e3 * run.position[:, axis]), color=color, lw=width, label=name
+        )
+        error.plot(*thinned(run.time, 1e3 * numbers.error), color=color, lw=width)
+        since = run.time[-numbers.rest.size :] - numbers.arrival
+        rest.plot(*thinned(since, 1e3 * numbers.rest), color=color, lw=width)
+        draw_commands(command, run.time, run.voltage, color=color)
+    name_commands(command, voltage_limit=voltage_limit)
+    _name(position, "position", label(("xₑ", "yₑ")[axis], "mm"))
+    _name(error, "distance from the unshaped reference, Eq. (26)", label("εₑ", "mm"))
+    _name(rest, "what is left after the arrival", label("xₑ about its mean", "mm"))
+    rest.set_xlabel(label("time after the arrival", "s"))
+    error.set_ylim(bottom=0)
+    figure_legend(figure, position)
+    return figure
+
+
+def draw_commands(
+    axes: Axes,
+    time: Float[np.ndarray, " samples"],
+    voltage: Float[np.ndarray, "samples-1 2"],
+    *,
+    color: str,
+) -> None:
+    """Draw the commands of both drives.
+
+    Args:
+        axes: Where to draw them.
+        time: Times of the samples [s].
+        voltage: Commands between them [V].
+        color: Their colour.
+    """
+    for motor, style in enumerate(("-", (0, (3, 1.5)))):
+        axes.plot(*thinned(time[:-1], voltage[:, motor]), color=color, ls=style, lw=1.1)
+
+
+def name_commands(axes: Axes, *, voltage_limit: float) -> None:
+    """Draw the drives' limits beside their commands, and name the axes.
+
+    Args:
+        axes: Where the commands are.
+        voltage_limit: Largest command of either sign [V].
+    """
+    for limit in (-voltage_limit, voltage_limit):
+        axes.axhline(limit, color=GREY, ls="--", lw=1)
+    _name(axes, "commands and their limits", label("V₁ (solid), V₂ (dashed)", "V"))
+
+
+def _name(axes: Axes, title: str, name: str) -> None:
+    axes.set_title(title)
+    axes.set_ylabel(name)
+    axes.set_xlabel(label("time", "s"))

@@ -1,0 +1,1 @@
+"""How results are shown: style, numbers as text, tables, SVG, HTML."""

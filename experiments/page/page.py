@@ -1,0 +1,101 @@
+"""Filling in the reports' templates: everything from data is escaped."""
+
+import functools
+import importlib.metadata
+import platform
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jinja2
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from experiments.page.inline_svg import inline_svg
+from experiments.page.number_text import split_at_point
+
+_PACKAGES = ("scdpr-jax", "jax", "jaxlib", "equinox", "numpy", "scipy", "matplotlib")
+
+
+class Picture(NamedTuple):
+    """A figure of a page."""
+
+    svg: Markup
+    """The figure, as markup that is safe to insert."""
+    caption: str
+    """What to look at in it."""
+    narrow: bool = False
+    """Whether it is drawn narrower than the page."""
+
+
+class Pictures:
+    """The figures of one page, each with identifiers of its own."""
+
+    def __init__(self, keep: Callable[[Figure], None] = lambda figure: None) -> None:
+        """Begin a page.
+
+        Args:
+            keep: Told every figure, to keep it somewhere else too.
+        """
+        self._count = 0
+        self._keep = keep
+
+    def __call__(self, figure: Figure, caption: str, *, narrow: bool = False) -> Picture:
+        """A figure as a picture of the page.
+
+        Args:
+            figure: The figure.
+            caption: What to look at in it; also read aloud in its place.
+            narrow: Whether to draw it narrower than the page.
+
+        Returns:
+            The picture.
+        """
+        self._count += 1
+        self._keep(figure)
+        svg = inline_svg(figure, name=f"fig{self._count}", description=caption)
+        # The figure's text was escaped as it was drawn, its description just now.
+        return Picture(Markup(svg), caption, narrow)
+
+
+def page(template: str, **content: Any) -> str:
+    """A filled-in template.
+
+    Args:
+        template: Its file name.
+        **content: What it asks for; text is escaped, `Markup` isn't.
+
+    Returns:
+        The page.
+
+    Raises:
+        jinja2.UndefinedError: If something that it asks for is missing.
+    """
+    return _environment().get_template(template).render(**content)
+
+
+@functools.cache
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("experiments.page", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+    )
+    environment.filters["whole"] = lambda text: split_at_point(text)[0]
+    environment.filters["part"] = lambda text: split_at_point(text)[1]
+    return environment
+
+
+def versions() -> tuple[tuple[str, str], ...]:
+    """What the numbers were computed with.
+
+    Returns:
+        Names and versions of the packages, of Python and of the machine.
+    """
+    found = [("Python", f"{platform.python_version()} on {platform.machine()}")]
+    for name in _PACKAGES:
+        try:
+            found.append((name, importlib.metadata.version(name)))
+        except importlib.metadata.PackageNotFoundError:
+            found.append((name, "not installed as a package"))
+    return tuple(found)

@@ -1,0 +1,180 @@
+"""The report of a reproduction: one HTML file, and its claims as a table."""
+
+import collections
+import csv
+import io
+import pathlib
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from experiments.page.number_text import readable_unit, short
+from experiments.page.page import Pictures, page, versions
+from experiments.paper.claim import Claim, Verdict
+from experiments.paper.content import Content, Section
+from experiments.paper.every_claim import of_section
+from scdpr_jax.numerics.files import write_whole
+
+_PNG_DPI = 75  # a column of the documentation, and files of some 50 kB
+
+
+class Judged(NamedTuple):
+    """A claim with what was computed for it."""
+
+    claim: Claim
+    """The claim."""
+    ours: float
+    """What this software makes of it [in the claim's unit]."""
+
+    @property
+    def stands(self) -> bool:
+        """Whether the number bears the verdict out."""
+        return self.claim.stands(self.ours)
+
+    @property
+    def number(self) -> str:
+        """The number as it is printed."""
+        return short(self.ours, 4)
+
+    @property
+    def unit(self) -> str:
+        """The unit as it is printed."""
+        return "" if self.claim.unit == "1" else readable_unit(self.claim.unit)
+
+
+class Reproduced(NamedTuple):
+    """A section, computed and drawn."""
+
+    section: Section
+    """The section."""
+    content: Content
+    """What it says and shows."""
+    judged: tuple[Judged, ...]
+    """Its claims."""
+
+
+def reproduce(
+    sections: Sequence[Section],
+    progress: Callable[[str, float], None],
+    *,
+    keep: Callable[[str, Figure], None] = lambda name, figure: None,
+) -> tuple[Reproduced, ...]:
+    """Compute and draw sections.
+
+    Args:
+        sections: The sections.
+        progress: Told what is being done and which share of it is done.
+        keep: Told every figure with its section's name, to keep it as a file of its own.
+
+    Returns:
+        Everything for the report.
+    """
+    total, done = sum(section.seconds for section in sections), 0.0
+    found: list[Reproduced] = []
+    picture = Pictures(lambda figure: keep(sections[len(found)].name, figure))
+    for section in sections:
+        progress(section.name, done / total)
+        content = section.build(picture)
+        judged = tuple(Judged(claim, claim.compute()) for claim in of_section(section.name))
+        found.append(Reproduced(section, content, judged))
+        done += section.seconds
+    return tuple(found)
+
+
+def png_files(out: pathlib.Path) -> Callable[[str, Figure], None]:
+    """What keeps every figure as a PNG file named by its section.
+
+    Args:
+        out: The folder, made if it is missing.
+
+    Returns:
+        What `reproduce` takes as `keep`.
+    """
+    drawn: collections.Counter[str] = collections.Counter()
+
+    def keep(name: str, figure: Figure) -> None:
+        drawn[name] += 1
+        number = f"-{drawn[name]}" if drawn[name] > 1 else ""
+        out.mkdir(parents=True, exist_ok=True)
+        figure.savefig(out / f"{name}{number}.png", dpi=_PNG_DPI)
+
+    return keep
+
+
+def counts(found: Sequence[Reproduced]) -> dict[Verdict, int]:
+    """How many claims have each verdict.
+
+    Args:
+        found: What was reproduced.
+
+    Returns:
+        Number of claims by verdict, every verdict among them.
+    """
+    each = collections.Counter(one.claim.verdict for part in found for one in part.judged)
+    return {verdict: each[verdict] for verdict in Verdict}
+
+
+def write(found: Sequence[Reproduced], out: pathlib.Path) -> tuple[pathlib.Path, ...]:
+    """Write report.html and claims.csv, each whole or not at all.
+
+    Args:
+        found: What was reproduced.
+        out: The folder.
+
+    Returns:
+        The files.
+
+    Raises:
+        OSError: If the place can't be written to.
+    """
+    report, table = out / "report.html", out / "claims.csv"
+    text = page(
+        "reproduce.html.j2",
+        title="The paper, figure by figure, and judged",
+        found=found,
+        counts=[(verdict.value, count) for verdict, count in counts(found).items()],
+        fallen=[one for part in found for one in part.judged if not one.stands],
+        provenance=versions(),
+    )
+    write_whole(report, text)
+    write_whole(table, claims_table(found))
+    return report, table
+
+
+def claims_table(found: Sequence[Reproduced]) -> str:
+    """The claims as CSV.
+
+    Args:
+        found: What was reproduced.
+
+    Returns:
+        The table, its header first.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(_COLUMNS)
+    writer.writerows(_cells(one) for part in found for one in part.judged)
+    return text.getvalue()
+
+
+_COLUMNS = (
+    "section",
+    "where",
+    "what",
+    "printed",
+    "computed",
+    "unit",
+    "lowest accepted",
+    "highest accepted",
+    "tolerance because",
+    "verdict",
+    "verdict because",
+)
+
+
+def _cells(one: Judged) -> tuple[str, ...]:
+    claim = one.claim
+    low, high = (f"{bound:.6g}" for bound in claim.accepted)
+    told = (claim.section, claim.where, claim.what, claim.printed, f"{one.ours:.6g}")
+    return (*told, claim.unit, low, high, claim.reason, claim.verdict.value, claim.because)

@@ -1,0 +1,1 @@
+"""The paper's topics, each with its numbers, figure, section and claims."""

@@ -1,0 +1,67 @@
+"""Figure 10: the upper carriage at the printed voltage, and the staircases' histogram."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.page.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    SKY,
+    VERMILION,
+    label,
+    legend_above,
+    new_figure,
+    styled,
+    thinned,
+)
+from experiments.paper.topics.breakaway.numbers import PRINTED_VOLTAGE, START, STEP, Breakaway
+
+_DRAWN = 10
+_SHOWN = 4.0  # s
+
+
+@styled
+def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
+    """The first ten repetitions, and the voltages of all thirty.
+
+    Args:
+        loose: With the friction that staircases of the printed mean ask for.
+        tight: With the friction of the printed voltage.
+
+    Returns:
+        The figure.
+    """
+    figure = new_figure(height=3.4)
+    run, histogram = figure.subplots(1, 2)
+    shown = loose.time <= _SHOWN
+    for repeat in range(_DRAWN):
+        run.plot(
+            *thinned(loose.time[shown], 1e3 * loose.upper[repeat, shown], points=200),
+            color=SKY,
+            lw=1.0,
+            label="ten repetitions" if repeat == 0 else None,
+        )
+    middle = np.median(loose.upper[:, shown], axis=0)
+    run.plot(
+        *thinned(loose.time[shown], 1e3 * middle, points=200), color=BLACK, label="median of 30"
+    )
+    run.axhline(1e3 * START, color=GREY, lw=0.8)
+    run.set_xlabel(label("time", "s"))
+    run.set_ylabel(label(f"q₄ at {PRINTED_VOLTAGE} V on both drives", "mm"))
+    legend_above(run)
+    stairs = np.arange(0.4, 1.2, STEP)
+    for found, colour, shift in ((loose, BLUE, -0.018), (tight, VERMILION, 0.018)):
+        count = [np.sum(np.isclose(found.voltage, v)) for v in stairs]
+        histogram.bar(
+            stairs + shift,
+            count,
+            width=0.034,
+            color=colour,
+            label=f"friction {found.force:.1f} N: mean {found.mean:.2f} V",
+        )
+    histogram.axvline(PRINTED_VOLTAGE, color=BLACK, ls="--", lw=1, label="printed mean")
+    histogram.set_xlabel(label("first voltage that moves the upper carriage", "V"))
+    histogram.set_ylabel("repetitions of 30")
+    legend_above(histogram, columns=1)
+    return figure

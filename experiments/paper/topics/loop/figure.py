@@ -1,0 +1,73 @@
+"""Equations (24) and (25): a drive's step response and the loop's Bode diagram."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.page.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILION,
+    label,
+    legend_above,
+    new_figure,
+    styled,
+)
+from experiments.paper.topics.loop.numbers import CROSSOVER, STEP, Design, StepResponse
+from scdpr_jax.command.controller import PD
+from tuning.loop.plant import MotorPlant
+
+
+@styled
+def draw_step_response(response: StepResponse) -> Figure:
+    """Speed of a bare drive after a step.
+
+    Args:
+        response: The response.
+
+    Returns:
+        The figure.
+    """
+    figure = new_figure(height=2.8, width=6.0)
+    axes = figure.subplots()
+    axes.plot(response.time, response.speed, "o", ms=3, color=BLUE, label="encoder, 10 ms")
+    axes.plot(response.time, response.fitted, color=VERMILION, label="fitted (24)")
+    axes.set_xlabel(label("time", "s"))
+    axes.set_ylabel(label(f"speed after {STEP:g} V", "°/s"))
+    legend_above(axes)
+    return figure
+
+
+@styled
+def draw_bode(designs: dict[str, Design], *, plant: MotorPlant) -> Figure:
+    """Open loops of the drive with several controllers.
+
+    Args:
+        designs: Controllers with their margins, by name.
+        plant: The drive.
+
+    Returns:
+        The figure.
+    """
+    figure = new_figure(height=3.2)
+    gain, phase = figure.subplots(1, 2)
+    omega = np.geomspace(5, 500, 300)
+    for (name, design), colour in zip(designs.items(), (BLUE, VERMILION), strict=True):
+        loop = _open_loop(plant, design.controller, omega)
+        gain.loglog(omega, np.abs(loop), color=colour, label=name)
+        phase.semilogx(omega, np.rad2deg(np.unwrap(np.angle(loop))), color=colour)
+    gain.axhline(1, color=BLACK, lw=0.8)
+    for axes in (gain, phase):
+        axes.axvline(CROSSOVER, color=GREY, ls="--", lw=1)
+        axes.set_xlabel(label("angular frequency", "rad/s"))
+    phase.axhline(-120, color=GREY, ls="--", lw=1)
+    gain.set_ylabel(label("|R G|", "1"))
+    phase.set_ylabel(label("phase", "°"))
+    legend_above(gain)
+    return figure
+
+
+def _open_loop(plant: MotorPlant, controller: PD, omega: np.ndarray) -> np.ndarray:
+    s = 1j * omega
+    gains = float(controller.proportional_gain) + float(controller.derivative_gain) * s
+    return gains * float(plant.gain) / (s * (s + float(plant.pole)))

@@ -1,0 +1,107 @@
+"""The table of parameters: what was estimated, how sure, and beside the truth."""
+
+import math
+from typing import NamedTuple
+
+from experiments.page.coordinates import plain_symbol
+from experiments.page.number_text import percent, readable_unit, rounded
+from identification.judge.uncertainty import ParameterEstimate, half_width, magnitude
+from scdpr_jax.robot.parameters import EVERY_QUANTITY
+
+COVERED = 0.997
+"""Level of the interval that the truth is looked for in [1]."""
+
+
+class Row(NamedTuple):
+    """A parameter's line, its numbers as they are printed."""
+
+    name: str
+    """Name in the file formats."""
+    symbol: tuple[str, str]
+    """Symbol and its index."""
+    meaning: str
+    """What it is."""
+    setting: str
+    """Nominal pretension that it belongs to, empty if to all."""
+    value: str
+    """Value."""
+    low: str
+    """Lower end of the 95 % interval, empty for a fixed value."""
+    high: str
+    """Upper end."""
+    relative: str
+    """Half of the interval over the value's `magnitude`."""
+    unit: str
+    """SI unit, empty for none."""
+    status: str
+    """What the estimate is worth."""
+    truth: str
+    """True value, empty where it isn't known."""
+    error: str
+    """Estimate minus truth over truth."""
+    covered: str
+    """Whether the 99.7 % interval covers the truth: yes, no, or empty."""
+
+
+def parameter_row(
+    parameter: ParameterEstimate, *, truth: dict[str, float] | None = None
+) -> Row:
+    """A parameter's line.
+
+    Args:
+        parameter: The parameter.
+        truth: True values by name [SI], where they are known.
+
+    Returns:
+        The line.
+    """
+    known = {quantity.name: quantity for quantity in EVERY_QUANTITY}.get(parameter.name)
+    low, high = parameter.interval95
+    half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
+    fixed = parameter.status == "fixed"
+    size = magnitude(parameter.name, parameter.value)
+    # What no run shows has no interval, and none is invented.
+    untold = fixed or not math.isfinite(half)
+    true = None if fixed else (truth or {}).get(parameter.name)
+    return Row(
+        name=parameter.name,
+        symbol=plain_symbol(known.symbol) if known else ("", ""),
+        meaning=known.meaning if known else parameter.name.replace("_", " "),
+        setting=parameter.setting or "",
+        value=rounded(parameter.value, half),
+        low="" if untold else rounded(low, half),
+        high="" if untold else rounded(high, half),
+        relative="" if untold or not size else percent(half / size),
+        unit="" if parameter.unit == "1" else readable_unit(parameter.unit),
+        status=parameter.status.replace("_", " "),
+        truth="" if true is None else rounded(true, half),
+        error="" if not true else signed_percent(parameter.value / true - 1),
+        covered="" if true is None else ("yes" if inside(parameter, true) else "no"),
+    )
+
+
+def inside(parameter: ParameterEstimate, truth: float) -> bool:
+    """Whether a parameter's 99.7 % interval covers the truth.
+
+    Args:
+        parameter: The parameter.
+        truth: The true value [SI].
+
+    Returns:
+        Whether it does.
+    """
+    low, high = parameter.interval(COVERED)
+    return low <= truth <= high
+
+
+def signed_percent(share: float) -> str:
+    """A share in per cent with its sign.
+
+    Args:
+        share: The share [1].
+
+    Returns:
+        "+0.0031 %".
+    """
+    text = percent(share)
+    return text if text.startswith("−") else f"+{text}"

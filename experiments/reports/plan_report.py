@@ -1,0 +1,170 @@
+"""What is told of a planned leg: in the terminal and as a page."""
+
+import numpy as np
+from rich.console import Console
+
+from experiments.figures.tuning.leg import leg
+from experiments.page.console_text import print_lines, rich_table
+from experiments.page.number_text import plain
+from experiments.page.page import Pictures, page, versions
+from experiments.page.table import Table
+from experiments.studies.planned_leg import SETTLED, SIDES, Compared, LegFigures
+from tuning.plan.plan_file import Plan
+
+_METHOD = (
+    "A plan is the motion of the lower carriage and of the height, with the commands that it "
+    "takes by dynamics inversion, friction included. The motion is found by least squares "
+    "through the simulation with exact friction, so that everything comes to rest at the "
+    "target at one moment: for the fitted robot and for the others of the table at once.",
+    "Both legs are simulated at the controller's rate on the fitted nonlinear robot: the "
+    "plain one with the curve of section 6.2 in the plan's time under the PD of Eq. (25), "
+    "the plan under its own gains. After the reference's end it is held.",
+    "The resting error is that of the line between the carriages, on which the end-effector "
+    "comes to rest. The largest error is against each leg's own reference, Eq. (26).",
+)
+
+
+def sentences(plan: Plan, compared: Compared, *, voltage_limit: float) -> list[str]:
+    """What a plan comes to, in plain words.
+
+    Args:
+        plan: The plan.
+        compared: Its runs.
+        voltage_limit: Largest command of either sign [V].
+
+    Returns:
+        Sentences.
+    """
+    before, after = compared.plain[0].figures, compared.planned[0].figures
+    left = [run.figures.vibration for run in compared.planned]
+    worst = int(np.argmax(left))
+    lines = [
+        f"In {plain(plan.time[-1], 3)} s from {_place(plan.position[0])} to "
+        f"{_place(plan.position[-1])}: after it the end-effector vibrates "
+        f"{_mm(after.vibration)} mm and rests {_mm(after.resting_error)} mm from the target, "
+        f"against {_mm(before.vibration)} mm and {_mm(before.resting_error)} mm by the plain "
+        "profile.",
+        f"Of the robots that it was made for, that which vibrates the most does so by "
+        f"{_mm(left[worst])} mm ({compared.names[worst]}).",
+    ]
+    if max(run.figures.largest_voltage for run in compared.planned) >= voltage_limit:
+        lines.append(
+            f"SHORT of what is asked: the drives come to their limit of {voltage_limit:g} V, "
+            "and a saturated drive doesn't follow. Give the leg more time, `--leg-time`."
+        )
+    return lines
+
+
+def tables(compared: Compared) -> tuple[Table, Table]:
+    """The leg on the fitted robot, and what is left on others.
+
+    Args:
+        compared: Its runs.
+
+    Returns:
+        Two tables.
+    """
+    fitted = Table(
+        "The leg, simulated on the fitted robot",
+        (
+            "",
+            "vibration after it [mm]",
+            "resting error [mm]",
+            f"within {1e3 * SETTLED:g} mm from [s]",
+            "largest error, Eq. (26) [mm]",
+            "largest command [V]",
+        ),
+        tuple(
+            (name, *_cells(runs[0].figures))
+            for name, runs in zip(SIDES, (compared.plain, compared.planned), strict=True)
+        ),
+    )
+    others = Table(
+        "Robots as they might be",
+        (
+            "robot",
+            "vibration, plain [mm]",
+            "planned [mm]",
+            "resting error, plain [mm]",
+            "planned [mm]",
+        ),
+        tuple(
+            (
+                name,
+                _mm(before.figures.vibration),
+                _mm(after.figures.vibration),
+                _mm(before.figures.resting_error),
+                _mm(after.figures.resting_error),
+            )
+            for name, before, after in zip(*compared, strict=True)
+        ),
+    )
+    return fitted, others
+
+
+def show(console: Console, plan: Plan, compared: Compared, *, voltage_limit: float) -> None:
+    """Print what a plan comes to.
+
+    Args:
+        console: Where to print it.
+        plan: The plan.
+        compared: Its runs.
+        voltage_limit: Largest command of either sign [V].
+    """
+    for table in tables(compared):
+        console.print(rich_table(table))
+    print_lines(console, sentences(plan, compared, voltage_limit=voltage_limit))
+
+
+def plan_page(plan: Plan, compared: Compared, *, voltage_limit: float, tuning: str) -> str:
+    """A plan as a page that needs nothing else.
+
+    Args:
+        plan: The plan.
+        compared: Its runs.
+        voltage_limit: Largest command of either sign [V].
+        tuning: Name of the tuning that it is for.
+
+    Returns:
+        HTML.
+    """
+    begun, ended = _place(plan.position[0]), _place(plan.position[-1])
+    return page(
+        "findings.html.j2",
+        title=f"Leg from {begun} to {ended}",
+        sentences=sentences(plan, compared, voltage_limit=voltage_limit),
+        tables=tables(compared),
+        pictures=[
+            Pictures()(
+                leg(compared, leg_time=float(plan.time[-1]), voltage_limit=voltage_limit),
+                "The leg on the fitted robot: the way along the straight line, the horizontal "
+                "distance from the target around the end of the reference (dotted), the "
+                "commands of both drives; and what vibrates after it on robots as they might "
+                "be.",
+            ),
+        ],
+        method=_METHOD,
+        provenance=[
+            ("tuning", tuning),
+            ("samples", f"{plan.time.size}, every {1e3 * (plan.time[1] - plan.time[0]):g} ms"),
+            *versions(),
+        ],
+    )
+
+
+def _cells(one: LegFigures) -> tuple[str, ...]:
+    return (
+        _mm(one.vibration),
+        _mm(one.resting_error),
+        "never" if np.isnan(one.settled) else f"{one.settled:.3f}",
+        f"{1e3 * one.largest_error:.1f}",
+        f"{one.largest_voltage:.2f}",
+    )
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.2f}"
+
+
+def _place(position: np.ndarray) -> str:
+    return f"({position[0]:.3g} m, {position[1]:.3g} m)"

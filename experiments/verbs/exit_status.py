@@ -1,0 +1,8 @@
+"""How a verb ends, as the shell sees it."""
+
+DONE = 0
+"""It did what it was asked to."""
+FELL_SHORT = 1
+"""It ran, and its result isn't good enough."""
+BAD_INPUT = 2
+"""It was given what it can't use."""

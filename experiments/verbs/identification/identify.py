@@ -1,0 +1,81 @@
+"""`scdpr identify`: a campaign's parameters."""
+
+import pathlib
+
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.exit_status import DONE
+from experiments.verbs.places import require_outside
+
+
+def identify(
+    campaign: Folder,
+    /,
+    out: pathlib.Path,
+    skip_bad_runs: bool = False,
+    free: tuple[str, ...] = (),
+    hold_out: tuple[str, ...] = (),
+    measured: tuple[str, ...] = (),
+    camera_drifts: bool = False,
+    profile: bool = False,
+    leave_out: bool = False,
+    posterior: bool = False,
+) -> int:
+    """Estimate the robot's parameters from all runs of a campaign.
+
+    Args:
+        campaign: Folder of the campaign, format 1.
+        out: Folder for parameters.json.
+        skip_bad_runs: Go on without runs that have faults, and say which.
+        free: Quantities to estimate; default: friction, drive inertia and damping, and
+            the effective pretension of each setting, and where these leave more than noise
+            those of the model that explains the rest best.
+        hold_out: Runs to predict instead of fitting them.
+        measured: What was measured otherwise, "NAME = VALUE +- STANDARD ERROR [at PLACE]":
+            a quantity, which is then free; a breakaway_voltage at a pretension; a
+            natural_frequency at a pretension and a height, as in "natural_frequency =
+            3.2 Hz +- 0.02 Hz at 350 N, 0.55 m".
+        camera_drifts: Whether the cameras' clocks may run faster or slower than the drives':
+            a rate of each run is then estimated, too.
+        profile: Trace the misfit along every quantity, too: whether it is bounded on both
+            sides, on one, or on none. Takes as long again.
+        leave_out: Fit anew without each run, too, to see which run moves what; otherwise
+            that is a step of a fit, which is as good where the residuals are noise.
+        posterior: Sample what the logs leave possible, too, by Hamiltonian Monte Carlo begun
+            at the fit. Takes minutes; needs the extra `bayes`.
+    """
+    set_up()
+    from experiments.files.parameters_file import write_parameters
+    from experiments.reports import summary
+    from identification.campaign import read_campaign
+    from identification.checks.leave_out import without_each_run
+    from identification.checks.posterior import posterior as sampled
+    from identification.checks.posterior import require_numpyro
+    from identification.checks.profile import profiles
+    from identification.checks.selection import select
+    from identification.fit.unknowns.measured_text import parse_measured
+    from identification.result.estimate import estimate
+
+    require_outside(out, campaign)
+    if posterior:
+        require_numpyro()
+    otherwise = tuple(map(parse_measured, measured))
+    read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    with shown_progress(ERRORS) as progress:
+        known = {
+            "hold_out": hold_out,
+            "measured": otherwise,
+            "clock_drifts": camera_drifts,
+            "progress": progress,
+        }
+        found = estimate(read, free=free, **known) if free else select(read, **known)
+        traced = profiles(read, found) if profile else ()
+        if leave_out:
+            found = without_each_run(read, found, progress=progress)
+        drawn = sampled(read, found, progress=progress) if posterior else None
+    write_parameters(out / "parameters.json", found, traced, drawn)
+    summary.show(OUT, found, campaign=read, profiles=traced, posterior=drawn)
+    summary.show_influence(OUT, found)
+    wrote(out / "parameters.json")
+    suggest(f"scdpr frequencies {campaign} --out {out}")
+    return DONE

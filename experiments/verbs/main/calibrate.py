@@ -1,0 +1,72 @@
+"""`scdpr calibrate`: from a campaign to parameters, frequencies, gains and shapers."""
+
+import pathlib
+
+from experiments.runtime import set_up, shown_progress, stage
+from experiments.verbs.console import ERRORS, OUT, Folder, plan_call, suggest, wrote
+from experiments.verbs.exit_status import DONE
+from experiments.verbs.places import require_outside
+
+
+def calibrate(
+    campaign: Folder,
+    /,
+    out: pathlib.Path,
+    skip_bad_runs: bool = False,
+    free: tuple[str, ...] = (),
+    hold_out: tuple[str, ...] | None = None,
+    measured: tuple[str, ...] = (),
+    camera_drifts: bool = False,
+) -> int:
+    """Check a campaign, identify the robot, map its frequencies, tune it, and report.
+
+    Args:
+        campaign: Folder of the campaign, format 1.
+        out: Folder for parameters.json, frequencies.csv, tuning.json, report.html and, in
+            its folder export, the tuning in C, for LabVIEW and for MATLAB.
+        skip_bad_runs: Go on without runs that have faults, and say which.
+        free: Quantities to estimate; default: friction, drive inertia and damping, and
+            the effective pretension of each setting, and where these leave more than noise
+            those of the model that explains the rest best.
+        hold_out: Runs to predict instead of fitting them; default: the manoeuvre that
+            goes the furthest. Give it without a name to fit every run.
+        measured: What was measured otherwise, "NAME = VALUE +- STANDARD ERROR [at PLACE]",
+            see `scdpr identify --help`.
+        camera_drifts: Whether the cameras' clocks may run faster or slower than the drives'.
+    """
+    set_up()
+    from experiments.reports import summary
+    from experiments.studies import pipeline
+    from identification.campaign import read_campaign
+    from identification.fit.unknowns.measured_text import parse_measured
+
+    require_outside(out, campaign)
+    otherwise = tuple(map(parse_measured, measured))
+    read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    with shown_progress(ERRORS) as progress:
+        calibration = pipeline.calibrate(
+            read,
+            free=free or None,
+            hold_out=hold_out,
+            measured=otherwise,
+            clock_drifts=camera_drifts,
+            progress=stage(progress, 0.0, 0.93),
+        )
+        progress("report", 0.93)
+        written = pipeline.write_calibration(calibration, out)
+    summary.show(
+        OUT,
+        calibration.estimate,
+        campaign=calibration.campaign,
+        frequencies=calibration.frequencies,
+        tuning=calibration.tuning,
+    )
+    for note in calibration.notes:
+        OUT.print(f"note: {note}")
+    wrote(*written)
+    suggest(
+        f"open {written[0]}",
+        f"scdpr simulate --parameters {written[1]} --out DIR",
+        plan_call(written[3]),
+    )
+    return DONE

@@ -1,0 +1,56 @@
+"""`scdpr demo`: a campaign of known truth, calibrated."""
+
+import pathlib
+
+from experiments.runtime import set_up, shown_progress, stage
+from experiments.verbs.console import ERRORS, OUT, suggest, wrote
+from experiments.verbs.exit_status import DONE, FELL_SHORT
+
+
+def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
+    """Generate a campaign of a robot whose truth is known, and calibrate it.
+
+    Args:
+        out: Folder for the campaign and the results.
+        seed: Seed of the robot, its start poses and its noise.
+    """
+    set_up()
+    from experiments.reports import summary
+    from experiments.studies.pipeline import calibrate, write_calibration
+    from experiments.virtual_rig import rig
+    from identification.campaign import read_campaign, write_campaign
+    from tuning.gains.optimise import LEG_TIMES, Effort
+
+    logs = out / "campaign"
+    if logs.exists():
+        raise ValueError(
+            f"`--out`: {logs} exists already, got a demo's folder or yours, expected none. "
+            "Name another folder, or remove it."
+        )
+    with shown_progress(ERRORS) as progress:
+        truth = rig.draw_truth(seed)
+        made = rig.campaign(truth, seed, progress=stage(progress, 0.0, 0.2))
+        out.mkdir(parents=True, exist_ok=True)
+        write_campaign(made.with_runs(rig.DEMONSTRATED), logs)
+        # One leg time and no descent: a demonstration has to be quick.
+        calibration = calibrate(
+            read_campaign(logs),
+            leg_times=LEG_TIMES[:1],
+            effort=Effort(descents=0),
+            progress=stage(progress, 0.2, 0.95),
+        )
+        progress("report", 0.95)
+        written = write_calibration(calibration, out, truth=truth.values)
+    summary.show(
+        OUT,
+        calibration.estimate,
+        campaign=calibration.campaign,
+        frequencies=calibration.frequencies,
+        truth=truth.values,
+        tuning=calibration.tuning,
+    )
+    wrote(logs, *written)
+    suggest(
+        f"open {written[0]}", f"scdpr check {logs}", "scdpr calibrate YOUR-CAMPAIGN --out DIR"
+    )
+    return DONE if summary.covers(calibration.estimate, truth.values) else FELL_SHORT

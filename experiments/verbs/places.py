@@ -1,0 +1,56 @@
+"""Where results may be written, and where the end-effector may go."""
+
+import pathlib
+
+from identification.campaign.quantities import parse_quantity
+from scdpr_jax.robot.parameters import Robot
+
+
+def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
+    """Refuse to write results among the logs, where they would pass for a run.
+
+    Args:
+        out: Where results shall go.
+        campaign: The campaign's folder.
+
+    Raises:
+        ValueError: If `out` is the campaign's folder or inside it.
+    """
+    if out.resolve().is_relative_to(campaign.resolve()):
+        raise ValueError(
+            f"`--out` must be outside the campaign, got {out} inside {campaign}: a folder in "
+            "a campaign is a run. Name another folder."
+        )
+
+
+def parse_position(text: str, *, name: str, robot: Robot) -> tuple[float, float]:
+    """A position of the end-effector inside the frame.
+
+    Args:
+        text: Two lengths with their units, "0.3 m, 0.55 m".
+        name: The argument it stands in, for the message.
+        robot: The robot whose frame and attachments bound it.
+
+    Returns:
+        $[x_e, y_e]$ [m].
+
+    Raises:
+        ValueError: If it isn't two lengths, or lies outside of what the frame allows.
+    """
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise ValueError(
+            f"`{name}` isn't a position, got {text!r}, expected two lengths with their units "
+            '[m], such as "0.3 m, 0.55 m".'
+        )
+    x, y = (parse_quantity(part.strip(), unit="m", name=name) for part in parts)
+    width = float(robot.frame.width)
+    low = float(robot.end_effector.lower_offset)
+    high = float(robot.frame.height - robot.end_effector.upper_offset)
+    if not (0 <= x <= width and low < y < high):
+        raise ValueError(
+            f"`{name}` is outside of the frame, got x = {x:g} m, y = {y:g} m, expected x from "
+            f"0 to {width:g} m and y between {low:g} and {high:g} m, where the attachments "
+            "meet the guides. Name a position inside."
+        )
+    return x, y

@@ -1,0 +1,1 @@
+"""Verbs that simulate, sweep, measure and compare."""

@@ -1,0 +1,70 @@
+"""`scdpr benchmark`: error beside speed, for this engine and its peers."""
+
+import pathlib
+from typing import Literal
+
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, wrote
+from experiments.verbs.exit_status import DONE
+
+Row = Literal[
+    "forward-linear",
+    "forward-nonlinear",
+    "jacobian-linear",
+    "jacobian-nonlinear",
+    "fit",
+    "frequencies",
+    "cold-start",
+]
+
+
+def benchmark(
+    out: pathlib.Path,
+    only: tuple[Row, ...] = (),
+    repeats: int = 5,
+    largest_batch: int = 4096,
+) -> int:
+    """Measure this engine beside diffrax, scipy and MuJoCo on one problem.
+
+    Give it a quiet machine, for a quarter of an hour or more; most of it is compilation. What
+    isn't run stands in the table with its reason.
+
+    Args:
+        out: Folder for performance.md and performance.json.
+        only: Rows to measure; default: all of them.
+        repeats: Times that a median is of.
+        largest_batch: Largest batch of runs, to try it out.
+    """
+    if repeats < 1 or largest_batch < 1:
+        raise ValueError(
+            "`--repeats` and `--largest-batch` must be 1 or more [1], got "
+            f"{repeats} and {largest_batch}. Leave them out for 5 and 4096."
+        )
+    set_up()
+    import jax
+    from rich.table import Table
+
+    from experiments.benchmarks import report
+    from experiments.benchmarks.line import Settings
+    from experiments.benchmarks.rows import ROWS
+
+    settings = Settings(repeats, largest_batch)
+    chosen = [(name, measure) for name, measure in ROWS if not only or name in only]
+    on = report.machine()
+    lines = []
+    with shown_progress(ERRORS) as progress:
+        for done, (name, measure) in enumerate(chosen):
+            progress(name, done / len(chosen))
+            for line in measure(settings):
+                lines.append(line)
+                progress(f"{name}: {line.contender}, {line.batch:,}", done / len(chosen))
+            # What is measured isn't lost with what comes after it.
+            written = report.write(out, lines, on, settings)
+            # Every program keeps some hundred maps of memory, and a process has 65,530.
+            jax.clear_caches()
+    table = Table(*report.HEADER, box=None)
+    for line in lines:
+        table.add_row(*report.cells(line))
+    OUT.print(table)
+    wrote(*written)
+    return DONE

@@ -1,0 +1,51 @@
+"""`scdpr reproduce`: the paper's tables and figures, and the verdicts on them."""
+
+import pathlib
+from typing import Annotated
+
+import tyro
+
+from experiments.runtime import set_up, shown_progress, stage
+from experiments.verbs.console import ERRORS, OUT, wrote
+from experiments.verbs.exit_status import DONE, FELL_SHORT
+
+
+def reproduce(
+    names: Annotated[
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="[NAME …]")
+    ] = (),
+    /,
+    out: pathlib.Path = pathlib.Path("reproduction"),
+    png: bool = False,
+) -> int:
+    """Compute what the paper prints, beside it, with a verdict on every number.
+
+    Args:
+        names: What to reproduce, such as fig12 or table2; default: everything.
+        out: Folder for report.html and claims.csv.
+        png: Write every figure as a PNG file of its own, too.
+    """
+    set_up()
+    from experiments.paper import report
+    from experiments.paper.catalogue import chosen
+
+    sections = chosen(names)
+    with shown_progress(ERRORS) as progress:
+        computing = stage(progress, 0.0, 0.98)
+        if png:
+            found = report.reproduce(sections, computing, keep=report.png_files(out))
+        else:
+            found = report.reproduce(sections, computing)
+        progress("report", 0.98)
+        written = report.write(found, out)
+    for verdict, count in report.counts(found).items():
+        OUT.print(f"{count:4d} {verdict.value}")
+    fallen = [one for part in found for one in part.judged if not one.stands]
+    for one in fallen:
+        OUT.print(
+            f"not borne out: {one.claim.name}: computed {one.number} {one.unit}, said to be "
+            f"{one.claim.verdict.value}",
+            markup=False,
+        )
+    wrote(*written)
+    return FELL_SHORT if fallen else DONE

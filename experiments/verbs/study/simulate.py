@@ -1,0 +1,58 @@
+"""`scdpr simulate`: one manoeuvre of a fitted robot."""
+
+import pathlib
+
+from experiments.runtime import set_up
+from experiments.verbs.console import ERRORS, OUT, wrote
+from experiments.verbs.exit_status import DONE
+
+
+def simulate(
+    parameters: pathlib.Path,
+    out: pathlib.Path,
+    manoeuvre: str = "horizontal",
+    leg_time: str = "2 s",
+    setting: str | None = None,
+    tuning: pathlib.Path | None = None,
+) -> int:
+    """Simulate a manoeuvre of Table 3 with a fitted robot.
+
+    Args:
+        parameters: parameters.json of `scdpr identify` or `scdpr calibrate`.
+        out: Folder for simulation.csv.
+        manoeuvre: horizontal, vertical or diagonal.
+        leg_time: Time of one leg, with its unit.
+        setting: Nominal pretension, "350 N"; default: the first of the parameters.
+        tuning: tuning.json for its gains and shaper; default: the PD of Eq. (25) alone.
+    """
+    set_up()
+    import numpy as np
+
+    from experiments.files.parameters_file import read_parameters
+    from experiments.studies import simulated_run
+    from identification.campaign.quantities import parse_quantity
+    from scdpr_jax.numerics.files import write_whole
+    from tuning.result.document import read_tuning
+
+    fitted = read_parameters(parameters)
+    label = setting or (fitted.settings[0] if fitted.settings else "0 N")
+    pretension = parse_quantity(label, unit="N", name="--setting")
+    leg = parse_quantity(leg_time, unit="s", name="--leg-time")
+    reference = simulated_run.manoeuvre(manoeuvre, leg)
+    tuned = None if tuning is None else read_tuning(tuning)
+    with ERRORS.status("simulating"):
+        run, commanded = simulated_run.simulate(
+            fitted.of_setting(label), reference, tuned, pretension
+        )
+    write_whole(out / "simulation.csv", simulated_run.table(run, commanded))
+    x = np.asarray(run.states.position)[:, 0]
+    rested = np.asarray(run.time) >= float(run.time[-1]) - simulated_run.HOLD
+    pose = np.asarray(run.states.position)[:, [0, 4]]
+    error = np.hypot(*(commanded - pose).T)
+    OUT.print(
+        f"Largest error, Eq. (26): {1e3 * error.max():.1f} mm. Vibration after the arrival: "
+        f"{1e3 * np.ptp(x[rested]):.2f} mm peak to peak. Largest command: "
+        f"{np.abs(np.asarray(run.voltage)).max():.2f} V."
+    )
+    wrote(out / "simulation.csv")
+    return DONE

@@ -1,0 +1,75 @@
+"""`scdpr sweep`: a grid of poses and parameters, computed."""
+
+import pathlib
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, suggest, wrote
+from experiments.verbs.exit_status import DONE, FELL_SHORT
+
+if TYPE_CHECKING:
+    from scdpr_jax.robot.parameters import Robot
+
+
+def sweep(
+    measure: Annotated[Literal["frequency", "workspace", "closed-loop"], tyro.conf.Positional],
+    /,
+    over: tuple[str, ...],
+    out: pathlib.Path,
+    parameters: pathlib.Path | None = None,
+    setting: str | None = None,
+    precision: Literal["single", "double"] = "double",
+) -> int:
+    """Compute natural frequencies, static workspaces or a closed-loop move over a grid.
+
+    A sweep that was stopped goes on where it was: give the same call again.
+
+    Args:
+        measure: What to compute of every point. frequency: of an aligned pose, under every
+            condition of the carriages. workspace: the single loop's and the conventional
+            four-cable robot's. closed-loop: errors and vibration of a move under the PD.
+        over: Axes, each "NAME=LOW..HIGH:COUNT UNIT" or "NAME=VALUE, VALUE UNIT", like
+            "y=0.2..0.9:50 m" "effective_pretension=70, 85, 100 N". NAME is x, y, a
+            quantity of the robot, or one of the measure's own; a wrong one lists them all.
+        out: netCDF file.
+        parameters: parameters.json of `scdpr identify`; default: the paper's prototype.
+        setting: Nominal pretension, "350 N"; default: the first of the parameters.
+        precision: Of the numbers; single is enough for maps and takes half the memory.
+    """
+    set_up(double=precision == "double", all_cores=True)
+    from experiments.sweep.axes import parse_axes
+    from experiments.sweep.measures import MEASURES
+    from experiments.sweep.run import sweep as run_sweep
+    from experiments.sweep.show import show
+
+    chosen = next(m for m in MEASURES if m.name == measure)
+    axes = parse_axes(over, chosen.known)
+    robot = _robot(parameters, setting)
+    try:
+        with shown_progress(ERRORS) as progress:
+            dataset = run_sweep(chosen, axes, robot, out, progress=progress)
+    except KeyboardInterrupt:
+        ERRORS.print("scdpr sweep: stopped. The same call goes on from here.")
+        return FELL_SHORT
+    with dataset:
+        show(OUT, dataset, axes=len(axes))
+    wrote(out)
+    suggest(f'python -c "import xarray; print(xarray.open_dataset({str(out)!r}))"')
+    return DONE
+
+
+def _robot(parameters: pathlib.Path | None, setting: str | None) -> "Robot":
+    from experiments.files.parameters_file import read_parameters
+    from scdpr_jax.robot.prototype import consistent
+
+    if parameters is not None:
+        fitted = read_parameters(parameters)
+        return fitted.of_setting(setting) if setting else fitted.robot
+    if setting is not None:
+        raise ValueError(
+            f"`--setting` belongs to `--parameters`, got {setting!r} alone. The prototype's "
+            'pretension is an axis: --over "effective_pretension=85 N".'
+        )
+    return consistent()

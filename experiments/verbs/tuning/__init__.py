@@ -1,0 +1,1 @@
+"""Verbs that design for the controller."""

@@ -1,0 +1,66 @@
+"""`scdpr codesign`: gains, shaper and leg together."""
+
+import pathlib
+
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.exit_status import DONE, FELL_SHORT
+
+
+def codesign(
+    parameters: Folder,
+    /,
+    out: pathlib.Path,
+    grid: str = "4x5",
+    samples: int = 16,
+    settings: tuple[str, ...] = (),
+    move_times: tuple[str, ...] = (),
+    seed: int = 1,
+) -> int:
+    """Design gains, shaper and the shape of a leg for the worst over the whole workspace.
+
+    Every design is run through the nonlinear robot with exact friction, saturated drives and
+    encoders, on legs to every pose of a grid, at every pretension, with every sample of what
+    the fit leaves open; the worst tenth of these decide. Beside it stand the PD of Eq. (25)
+    alone and with a ZV shaper, also on robots and poses that the design hasn't seen.
+
+    Args:
+        parameters: parameters.json of `scdpr identify` or `scdpr calibrate`.
+        out: Folder for codesign.json and codesign.html.
+        grid: Poses that legs end at, "columns x rows".
+        samples: Robots that are drawn from the fit's covariance.
+        settings: Nominal pretensions to design for, "200 N" "350 N" "500 N"; default:
+            those that were fitted.
+        move_times: Times that a move may take with its shaper, "2.4 s" or several; default:
+            four, from what the drives just can.
+        seed: Of the samples.
+    """
+    set_up()
+    from experiments.files.codesign_file import codesign_document
+    from experiments.files.parameters_file import read_parameters
+    from experiments.reports import codesign_report
+    from experiments.studies.codesign_run import Asked, design, parse_grid
+    from experiments.studies.posterior import nominal_settings
+    from identification.campaign.quantities import parse_quantity
+    from scdpr_jax.numerics.files import write_whole
+
+    fitted = read_parameters(parameters)
+    nominal = tuple(parse_quantity(text, unit="N", name="--settings") for text in settings)
+    asked = Asked(
+        grid=parse_grid(grid),
+        samples=samples,
+        settings=tuple(sorted(nominal)) or nominal_settings(fitted),
+        move_times=tuple(
+            parse_quantity(text, unit="s", name="--move-times") for text in move_times
+        ),
+        seed=seed,
+    )
+    with shown_progress(ERRORS) as progress:
+        found = design(fitted, asked, progress=progress)
+    result, report = out / "codesign.json", out / "codesign.html"
+    write_whole(result, codesign_document(found))
+    write_whole(report, codesign_report.codesign_page(found, name=str(parameters)))
+    codesign_report.show(OUT, found)
+    wrote(result, report)
+    suggest(f"open {report}")
+    return DONE if found.holds else FELL_SHORT

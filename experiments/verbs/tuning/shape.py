@@ -1,0 +1,86 @@
+"""`scdpr shape`: the shaper for a measured spectrum."""
+
+import pathlib
+
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.exit_status import DONE, FELL_SHORT
+
+
+def shape(
+    spectrum: Folder,
+    /,
+    out: pathlib.Path,
+    max_duration: str | None = None,
+    max_vibration: str | None = None,
+    damping_ratio: float = 0.1,
+    column: str | None = None,
+    normalised: bool | None = None,
+    lowest: str = "0 Hz",
+) -> int:
+    """Design the shaper for a measured spectrum, beside every shaper of the catalogue.
+
+    Args:
+        spectrum: CSV file with a column freq [Hz] and densities such as psd_xyz.
+        out: Folder for shaper.json and shaper.html.
+        max_duration: The longest that the shaper may be, "20 ms": the one that leaves least.
+        max_vibration: The most that it may leave, "1 %": the shortest that does.
+        damping_ratio: Damping ratio that the catalogue's shapers are designed for; all are
+            judged at three quarters, once and one and a half times that.
+        column: Column of the densities; default: psd_xyz, else the sum of those there are.
+        normalised: Whether the densities are divided by the frequency already; default:
+            they are if the header has columns of shapers, such as mzv(48.4).
+        lowest: Frequencies below this are left out.
+    """
+    set_up()
+    from experiments.files.shaper_file import shaper_document
+    from experiments.files.spectrum_file import read_spectrum
+    from experiments.reports import shaper_report
+    from identification.campaign.quantities import parse_quantity
+    from scdpr_jax.numerics.files import write_whole
+    from tuning.shapers.spectrum_design import design_for_spectrum
+
+    longest = _positive(max_duration, unit="s", name="--max-duration")
+    most = _positive(max_vibration, unit="1", name="--max-vibration")
+    if not 0 < damping_ratio < 0.2:
+        raise ValueError(
+            f"`--damping-ratio`: got {damping_ratio:g}, expected a ratio above 0 and below "
+            "0.2 [1]. Machines have 0.02 to 0.15; leave it out if it isn't known."
+        )
+    file = read_spectrum(
+        spectrum,
+        column=column,
+        normalised=normalised,
+        lowest=parse_quantity(lowest, unit="Hz", name="--lowest"),
+    )
+    with shown_progress(ERRORS) as progress:
+        found = design_for_spectrum(
+            file.spectrum,
+            damping_ratio=damping_ratio,
+            damping_ratios=tuple(share * damping_ratio for share in (0.75, 1.0, 1.5)),
+            max_duration=longest,
+            max_vibration=most,
+            progress=progress,
+        )
+    result, report = out / "shaper.json", out / "shaper.html"
+    write_whole(result, shaper_document(file, found))
+    write_whole(report, shaper_report.shaper_page(file, found))
+    shaper_report.show(OUT, found)
+    wrote(result, report)
+    suggest(f"open {report}")
+    short = most is not None and found.recommended.residual > most
+    return FELL_SHORT if short else DONE
+
+
+def _positive(text: str | None, *, unit: str, name: str) -> float | None:
+    from identification.campaign.quantities import parse_quantity
+
+    if text is None:
+        return None
+    value = parse_quantity(text, unit=unit, name=name)
+    if not value > 0:
+        raise ValueError(
+            f"`{name}`: got {text}, expected more than nothing [{unit}]. Leave it out for the "
+            "recommended shaper."
+        )
+    return value

@@ -1,0 +1,37 @@
+"""`scdpr tune`: gains and shapers."""
+
+import pathlib
+
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, plan_call, suggest, wrote
+from experiments.verbs.exit_status import DONE
+
+
+def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path) -> int:
+    """Design gains and a shaper for each region of the workspace.
+
+    Args:
+        parameters: parameters.json of `scdpr identify`.
+        frequencies: frequencies.csv of `scdpr frequencies`.
+        out: Folder for tuning.json and, in its folder export, the tuning in C, for LabVIEW
+            and for MATLAB.
+    """
+    set_up()
+    from experiments.files.parameters_file import read_parameters
+    from experiments.reports import summary
+    from experiments.studies.pipeline import write_tuned
+    from identification.knocks.frequency_map import read_frequencies
+    from tuning.gains.tune import tune as design
+
+    fitted = read_parameters(parameters)
+    measured = read_frequencies(frequencies)
+    with shown_progress(ERRORS) as progress:
+        tuned = design(fitted, measured, progress=progress)
+    written = write_tuned(out, tuned)
+    summary.show_tuning(OUT, tuned)
+    wrote(*written)
+    suggest(
+        f"scdpr simulate --parameters {parameters} --tuning {written[0]} --out DIR",
+        plan_call(written[0]),
+    )
+    return DONE

@@ -1,0 +1,1 @@
+"""A virtual rig: campaigns whose truth is known."""

@@ -1,0 +1,1 @@
+"""One motor-driven axis with dry friction."""

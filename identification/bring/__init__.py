@@ -1,0 +1,1 @@
+"""Logs of other programs, brought into format 1."""

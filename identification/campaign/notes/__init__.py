@@ -1,0 +1,1 @@
+"""What is worth noting of a run that can be read."""

@@ -1,0 +1,58 @@
+"""Notes on a run that can be read: what a careful colleague would see in the log."""
+
+import dataclasses
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from jaxtyping import Bool
+
+from identification.campaign.types import Campaign, Run
+from scdpr_jax.robot.prototype import PROVENANCE
+
+_TYPICAL = {source.name: source.consistent for source in PROVENANCE}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Note:
+    """Something that is worth knowing, and no fault."""
+
+    file: str
+    """The file, relative to the campaign's folder; of several, the first and how many."""
+    what: str
+    """What was seen, with its figures."""
+    cause: str
+    """What it usually comes from, or what it does to the result."""
+    remedy: str
+    """What can be done about it."""
+
+    def __str__(self) -> str:
+        return f"{self.file}: {self.what}. {self.cause} {self.remedy}"
+
+
+Observation = Callable[[Run, Campaign], Iterator[Note]]
+"""What looks at a run and notes what it sees."""
+
+
+def share(flags: Bool[np.ndarray, " _"]) -> str:
+    """A share of samples, as it is printed.
+
+    Args:
+        flags: Whether each sample belongs to it.
+
+    Returns:
+        The share in percent.
+    """
+    return f"{100 * float(np.mean(flags)):.2g} %"
+
+
+def known(name: str, campaign: Campaign) -> float:
+    """A quantity of the robot: the campaign's, or else that of the paper's rig.
+
+    Args:
+        name: A name of `scdpr_jax.robot.parameters.QUANTITIES`.
+        campaign: The campaign.
+
+    Returns:
+        Its value [SI].
+    """
+    return campaign.robot.get(name, _TYPICAL[name])

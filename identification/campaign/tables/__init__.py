@@ -1,0 +1,1 @@
+"""The text and CSV files of a campaign, cell by cell."""

@@ -1,0 +1,95 @@
+"""A TOML document and where its keys stand."""
+
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from identification.campaign.faults import Fault
+from identification.campaign.tables.text_file import read_text
+
+FORMAT = 1
+"""Number of the format that is read and written."""
+
+_TABLE = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
+_POSITION = re.compile(r"\(at line (\d+), column (\d+)\)")
+
+
+def read_document(path: Path, *, file: str) -> tuple[dict[str, Any] | None, str, Fault | None]:
+    """A TOML document of this format.
+
+    Args:
+        path: The file.
+        file: The file, relative to the campaign's folder.
+
+    Returns:
+        The document without its `format`, None if it can't be read; its text; the fault.
+    """
+    text, fault = read_text(path, file=file)
+    if fault is not None:
+        return None, text, fault
+    try:
+        document = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        return None, text, _syntax(text, error, file)
+    number = document.pop("format", None)
+    if type(number) is not int or number != FORMAT:
+        return None, text, _format(text, number, file)
+    return document, text, None
+
+
+def row_of(text: str, path: Sequence[str]) -> int | None:
+    """The line in which a key stands.
+
+    Args:
+        text: The document's text.
+        path: The key after the names of its tables.
+
+    Returns:
+        The line from 1: the key's, its table's if the key isn't there, or None.
+    """
+    table = ""
+    found = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        heading = _TABLE.match(line)
+        if heading is not None:
+            table = heading[1]
+            if table == ".".join(path[:-1]):
+                found = number
+            if table == ".".join(path):
+                return number
+        elif table == ".".join(path[:-1]):
+            name = line.partition("=")[0].strip().strip("\"'")
+            if name == path[-1]:
+                return number
+    return found
+
+
+def _syntax(text: str, error: Exception, file: str) -> Fault:
+    position = _POSITION.search(str(error))
+    row = int(position[1]) if position else None
+    if "end of document" in str(error):
+        row = len(text.splitlines())
+    return Fault(
+        what="not valid TOML",
+        file=file,
+        row=row,
+        got=str(error),
+        expected='lines like key = "value" below headings like [table]',
+        remedy="Correct that line; texts and quantities stand in quotation marks.",
+    )
+
+
+def _format(text: str, number: object, file: str) -> Fault:
+    there = number is not None
+    remedy = "Read it with the version that wrote it, or export it again as format 1."
+    return Fault(
+        what="not a format that is known here" if there else "the format isn't stated",
+        file=file,
+        row=row_of(text, ["format"]),
+        key="format",
+        got=repr(number) if there else "no such key",
+        expected=f"format = {FORMAT}",
+        remedy=remedy if there else f"Write `format = {FORMAT}` in the first line.",
+    )

@@ -1,0 +1,176 @@
+"""The header of a stream: which column stands where, in which unit."""
+
+import dataclasses
+import difflib
+import re
+from collections.abc import Iterator, Sequence
+
+from identification.campaign.faults import Fault
+from identification.campaign.tables.columns import Column, Scale
+
+_HEADER = re.compile(r"(?P<name>[^\[\]]+?) ?\[(?P<unit>[^\[\]]+)\]")
+
+
+@dataclasses.dataclass(frozen=True)
+class Header:
+    """A stream's header, understood as far as it can be."""
+
+    cells: tuple[str, ...]
+    """The header's cells, trimmed."""
+    scales: dict[int, Scale]
+    """Scale of every known column, by its place."""
+    names: dict[int, str]
+    """Name of every known column, by its place."""
+    extra: tuple[int, ...]
+    """Places of the columns that the format doesn't know."""
+
+
+def read_header(
+    cells: Sequence[str], known: Sequence[Column], *, file: str
+) -> tuple[Header, tuple[Fault, ...]]:
+    """What stands in which column.
+
+    Args:
+        cells: The header's cells as they are written.
+        known: The columns that the stream may have.
+        file: The file, relative to the campaign's folder.
+
+    Returns:
+        The header, and what is wrong with it.
+    """
+    cells = tuple(cell.strip() for cell in cells)
+    misfit = _no_header(cells, known, file)
+    if misfit is not None:
+        return Header(cells, {}, {}, ()), (misfit,)
+    columns = {column.name: column for column in known}
+    scales, names, extra, seen = {}, {}, [], set()
+    faults: list[Fault] = []
+    for place, cell in enumerate(cells):
+        match = _HEADER.fullmatch(cell)
+        if match is None:
+            faults.append(_without_unit(cell, place, columns, file))
+            seen.add(_bare_name(cell))
+            continue
+        name, unit = match["name"], match["unit"]
+        if name in seen:
+            faults.append(_twice(cell, name, file))
+            continue
+        seen.add(name)
+        if name not in columns:
+            extra.append(place)
+        elif unit not in columns[name].units:
+            faults.append(_unknown_unit(cell, unit, columns[name], file))
+        else:
+            scales[place], names[place] = columns[name].units[unit], name
+    faults.extend(_missing(known, seen, cells, file))
+    return Header(cells, scales, names, tuple(extra)), tuple(faults)
+
+
+def _no_header(cells: tuple[str, ...], known: Sequence[Column], file: str) -> Fault | None:
+    """The fault of a first row that is no header of this format at all."""
+    example = ",".join(column.header for column in known if not column.partner)
+    for mark, word in ((";", "semicolons"), ("\t", "tabulators")):
+        if len(cells) == 1 and mark in cells[0]:
+            return Fault(
+                what=f"columns separated by {word}",
+                file=file,
+                row=1,
+                got=repr(cells[0]),
+                expected="commas between columns and points in decimals",
+                remedy=f"Export the log again with these separators: {example}",
+            )
+    if all(_is_number(cell) for cell in cells):
+        return Fault(
+            what="no header row",
+            file=file,
+            row=1,
+            got=repr(",".join(cells)),
+            expected="each column's name and unit",
+            remedy=f"Put a header above the first sample: {example}",
+        )
+    return None
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _bare_name(cell: str) -> str:
+    """What is likely the name in a header that isn't written as it should be."""
+    return re.split(r"[\[(]", cell)[0].strip()
+
+
+def _without_unit(cell: str, place: int, columns: dict[str, Column], file: str) -> Fault:
+    name = _bare_name(cell)
+    if not cell:
+        remedy = f"Name column {place + 1}, or delete it; a comma too many makes one."
+    elif name in columns:
+        remedy = f'Write "{columns[name].header}", with the unit that was logged.'
+    else:
+        remedy = f'Write "{name} [unit]", with [1] for a number without unit.'
+    accepted = columns[name].accepted if name in columns else "[...]"
+    return Fault(
+        what="a column without a unit",
+        file=file,
+        row=1,
+        column=cell,
+        got=repr(cell),
+        expected=f"a name, a space and a unit in square brackets: {accepted}",
+        remedy=remedy,
+    )
+
+
+def _twice(cell: str, name: str, file: str) -> Fault:
+    return Fault(
+        what="a column that is there twice",
+        file=file,
+        row=1,
+        column=cell,
+        got=f"a second {name!r}",
+        expected="every name once",
+        remedy="Rename or delete one of them.",
+    )
+
+
+def _unknown_unit(cell: str, unit: str, column: Column, file: str) -> Fault:
+    remedy = f'Convert the column, or correct its header: "{column.header}".'
+    if unit == "count":
+        remedy = "Set `counts_per_rev` in campaign.toml: the counts of one turn of the pulley."
+    return Fault(
+        what="a unit that this column can't have",
+        file=file,
+        row=1,
+        column=cell,
+        got=f"[{unit}]",
+        expected=f"one of {column.accepted}",
+        remedy=remedy,
+    )
+
+
+def _missing(
+    known: Sequence[Column], seen: set[str], cells: tuple[str, ...], file: str
+) -> Iterator[Fault]:
+    for column in known:
+        needed = not column.partner or column.partner in seen
+        if column.name in seen or not needed:
+            continue
+        unclaimed = seen - {other.name for other in known}
+        near = difflib.get_close_matches(column.name, sorted(unclaimed), n=1)
+        if near:
+            remedy = f'Is it "{near[0]}"? Then rename that to "{column.header}".'
+        elif column.partner:
+            remedy = f'Log "{column.header}" too, or delete "{column.partner}".'
+        else:
+            remedy = f'Log it, with the header "{column.header}".'
+        yield Fault(
+            what=f"column {column.name!r} is missing",
+            file=file,
+            row=1,
+            got=", ".join(cells),
+            expected=f"{column.name!r} with one of {column.accepted}",
+            remedy=remedy,
+        )

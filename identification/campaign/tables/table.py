@@ -1,0 +1,166 @@
+"""A table of numbers in a CSV file: cells to SI units, every bad cell with its row.
+
+Columns are converted at once. Only if that fails, or time doesn't increase, is the table
+gone through cell by cell, to find where.
+"""
+
+import csv
+import dataclasses
+import io
+import itertools
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64, Shaped
+
+from identification.campaign.faults import Fault, listed
+from identification.campaign.tables.cells import CellFaults, Row, cell_number
+from identification.campaign.tables.columns import Column, Scale
+from identification.campaign.tables.header import Header, read_header
+from identification.campaign.tables.text_file import read_text
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Table:
+    """A stream's columns."""
+
+    values: dict[str, Float64[np.ndarray, " rows"]]
+    """Every known column that is there, by name [SI]; NaN for an empty cell."""
+    extra: dict[str, Shaped[np.ndarray, " rows"]]
+    """The other columns by header: numbers if all its cells are, text otherwise."""
+
+
+def read_table(
+    path: Path, known: Sequence[Column], *, file: str, may_be_empty: bool
+) -> tuple[Table | None, tuple[Fault, ...]]:
+    """A stream's columns in SI units, and what is wrong with them.
+
+    Args:
+        path: The CSV file.
+        known: The columns that the stream may have, time among them as `t`.
+        file: The file, relative to the campaign's folder.
+        may_be_empty: Whether a cell other than time's may be empty.
+
+    Returns:
+        The table, None if there are faults; and the faults, at most about ten.
+    """
+    text, fault = read_text(path, file=file)
+    if fault is not None:
+        return None, (fault,)
+    rows, broken = _rows(text, file)
+    if not rows:
+        return None, (broken or _empty(file),)
+    header, faults = read_header(rows[0].cells, known, file=file)
+    body = rows[1:]
+    if len(body) < 2 and broken is None:
+        return None, listed([*faults, _too_short(body, file)], file=file)
+    if not header.names:  # another dialect: its rows would only repeat that
+        return None, listed(faults, file=file)
+    if not faults and broken is None:
+        table = _convert(header, body, may_be_empty=may_be_empty)
+        if table is not None:
+            return table, ()
+    cells = CellFaults(header, file, may_be_empty=may_be_empty)
+    found = itertools.chain(faults, cells.of(body), [broken] if broken else [])
+    return None, listed(found, file=file)
+
+
+def _rows(text: str, file: str) -> tuple[list[Row], Fault | None]:
+    """The rows without the blank ones at the end, and what ended the reading early."""
+    reader = csv.reader(io.StringIO(text, newline=""))
+    rows: list[Row] = []
+    broken = None
+    try:
+        rows.extend(Row(reader.line_num, tuple(cells)) for cells in reader)
+    except csv.Error as error:
+        broken = Fault(
+            what="the row can't be split into cells",
+            file=file,
+            row=reader.line_num,
+            got=str(error),
+            expected="cells separated by commas",
+            remedy="Look for a lone quotation mark, or a damaged part of the file.",
+        )
+    while rows and not any(cell.strip() for cell in rows[-1].cells):
+        rows.pop()
+    return rows, broken
+
+
+def _empty(file: str) -> Fault:
+    return Fault(
+        what="the file is empty",
+        file=file,
+        row=1,
+        got="nothing",
+        expected="a header and at least two samples",
+        remedy="Export the log again; delete camera.csv if there was no camera.",
+    )
+
+
+def _too_short(body: list[Row], file: str) -> Fault:
+    return Fault(
+        what="too few samples",
+        file=file,
+        row=body[-1].line if body else 1,
+        got="1 sample" if body else "a header only",
+        expected="at least two samples",
+        remedy="Export the log again; delete camera.csv if there was no camera.",
+    )
+
+
+def _convert(header: Header, body: list[Row], *, may_be_empty: bool) -> Table | None:
+    """The table, None if there is a fault in it."""
+    width = len(header.cells)
+    if any(len(row.cells) != width for row in body):
+        return None
+    columns = list(zip(*(row.cells for row in body), strict=True))
+    values = {}
+    for place, name in header.names.items():
+        empty = may_be_empty and name != "t"
+        numbers = _numbers(columns[place], header.scales[place], may_be_empty=empty)
+        if numbers is None:
+            return None
+        values[name] = numbers
+    if not np.all(np.diff(values["t"]) > 0):
+        return None
+    extra = {header.cells[place]: _extra(columns[place]) for place in header.extra}
+    return Table(values, extra)
+
+
+def _numbers(
+    cells: Sequence[str], scale: Scale, *, may_be_empty: bool
+) -> Float64[np.ndarray, " rows"] | None:
+    """A column in SI units, None if a cell isn't a finite number."""
+    numbers = _plain_numbers(cells, scale, may_be_empty=may_be_empty)
+    if numbers is None:
+        numbers = [cell_number(cell, scale, may_be_empty=may_be_empty) for cell in cells]
+    return None if None in numbers else np.array(numbers, dtype=np.float64)
+
+
+def _plain_numbers(
+    cells: Sequence[str], scale: Scale, *, may_be_empty: bool
+) -> list[float] | None:
+    """The same, several times faster; None if a cell needs a closer look."""
+    joined = "".join(cells)
+    # What float() takes and the format doesn't: 1_000, other scripts' digits, nan, inf.
+    if not joined.isascii() or any(mark in joined for mark in "_nN"):
+        return None
+    # The unit's power of ten goes into the text, so that the number is rounded once.
+    power = f"e{scale.exponent}" if scale.exponent else ""
+    try:
+        if may_be_empty:
+            numbers = [float(cell + power) if cell else math.nan for cell in cells]
+        else:
+            numbers = [float(cell + power) for cell in cells]
+    except ValueError:
+        return None
+    if math.inf in numbers or -math.inf in numbers:
+        return None
+    return numbers if scale.factor == 1 else [number * scale.factor for number in numbers]
+
+
+def _extra(cells: Sequence[str]) -> Shaped[np.ndarray, " rows"]:
+    numbers = _numbers(cells, Scale(), may_be_empty=True)
+    return np.array(cells, dtype=str) if numbers is None else numbers

@@ -1,0 +1,1 @@
+"""What a fit is checked by: other models, other runs, the whole likelihood."""

@@ -1,0 +1,1 @@
+"""Logged runs as arrays, with their clocks and start poses."""

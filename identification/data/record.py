@@ -1,0 +1,292 @@
+"""One logged run as arrays of fixed shape: what is simulated, and what it is compared with.
+
+Runs of different length are padded, so that one compiled function serves all of them:
+intervals of length zero, and samples of weight zero.
+"""
+
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from identification.campaign.types import Run, Sensors
+from identification.data.start import CLOCK_MARGIN, USUAL_ARM, USUAL_DRIFT, Clock, start_pose
+from scdpr_jax.engines.stepping import Inputs
+from scdpr_jax.robot.fields import real, si
+
+
+class Record(eqx.Module):
+    """A run with the cable on: inputs, measurements and their weights."""
+
+    inputs: Inputs
+    """Commands; the knock is 1 N while the end-effector is knocked, else 0."""
+    angle: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("rad"))
+    """Encoder angles at the ends of the intervals [rad]."""
+    angle_weight: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1/rad"))
+    """Inverse standard deviation of the angles, see `readings` [1/rad]; 0 for none."""
+    angle_share: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1"))
+    """How much of a measurement of its own each angle is, up to 1 [1]."""
+    frame_time: Float[Array, "... frames"] = eqx.field(converter=real, metadata=si("s"))
+    """Camera stamps on the drive's clock, since its first row [s]."""
+    frame: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("m, rad"))
+    """Camera positions; 0 where a marker was lost [m, rad, m, m, m]."""
+    frame_weight: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("1/m"))
+    """Inverse standard deviations of the positions; 0 where there is none [1/m, 1/rad]."""
+    known: Float[Array, "... 6"] = eqx.field(converter=real, metadata=si("m, s, 1"))
+    """What is known before: start of the lower carriage, of the upper one and of the
+    height, arm of the knock [m], how far the clock is off what the stamps were put on by
+    [s], and its drift [1]."""
+    known_weight: Float[Array, "... 6"] = eqx.field(converter=real, metadata=si("1/m, 1/s, 1"))
+    """Inverse standard deviations of that; 0 for a clock that the log states."""
+
+
+class MotorRecord(eqx.Module):
+    """A step of the bare drives, the cable off their pulleys, padded like `Record`."""
+
+    duration: Float[Array, "... intervals"] = eqx.field(converter=real, metadata=si("s"))
+    """Lengths of the intervals [s]."""
+    voltage: Float[Array, "... intervals 2"] = eqx.field(converter=real, metadata=si("V"))
+    """Commands [V]."""
+    angle: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("rad"))
+    """Encoder angles [rad]."""
+    weight: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1/rad"))
+    """Inverse standard deviation of the angles, see `readings` [1/rad]; 0 for none."""
+    share: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1"))
+    """How much of a measurement of its own each angle is, up to 1 [1]."""
+
+
+def readings(angle: Float[np.ndarray, "rows 2"]) -> Float[np.ndarray, "rows 2"]:
+    """How much of an independent measurement each encoder sample is.
+
+    A rounded encoder reads the same count for as long as the drive moves by less, and all
+    these samples have one rounding error, not one each. So the `k` samples that read the
+    same count in a row are one measurement, and a `k`-th of it each.
+
+    Args:
+        angle: Angles as they were read [rad].
+
+    Returns:
+        Shares, up to 1 [1].
+    """
+    shares = np.empty(angle.shape)
+    for axis, read in enumerate(angle.T):
+        begins = np.concatenate([[0], np.flatnonzero(np.diff(read) != 0) + 1])
+        lengths = np.diff(np.append(begins, read.size))
+        shares[:, axis] = np.repeat(1 / lengths, lengths)
+    return shares
+
+
+def record(
+    run: Run,
+    clock: Clock,
+    sensors: Sensors,
+    *,
+    height: float,
+    rows: int,
+    frames: int,
+    clock_drifts: bool,
+) -> Record:
+    """The run as arrays of a given size.
+
+    Args:
+        run: A run with the cable on.
+        clock: What is known of the camera's clock.
+        sensors: The sensors' noise.
+        height: Height of the frame [m].
+        rows: Rows of the drive's stream to pad to.
+        frames: Camera frames to pad to.
+        clock_drifts: Whether the camera's clock may drift.
+
+    Returns:
+        The run's arrays. Camera frames from before anything moves tell the start; those
+        and frames from outside the drive's stream aren't compared a second time.
+
+    Raises:
+        ValueError: If nothing tells where the run started.
+    """
+    time = run.drive.time - run.drive.time[0]
+    share = readings(run.drive.angle)
+    stamps, frame = _camera(run, clock.offset)
+    margin = CLOCK_MARGIN if run.clock_offset is None or clock_drifts else 0.0
+    known = start_pose(run, clock.offset, sensors, height)
+    drift = USUAL_DRIFT if clock_drifts else 0.0
+    # What was known of the offset was its mean over the run.
+    offset_sigma = np.hypot(clock.sigma, drift * time[-1] / 2)
+    inside = (stamps > known.until) & (stamps <= time[-1] - margin)
+    seen = np.isfinite(frame) & inside[:, None]
+    sigma = np.full(5, sensors.camera_position_sigma)
+    sigma[1] = sensors.camera_angle_sigma
+    return Record(
+        inputs=Inputs(
+            duration=_pad(np.diff(time), rows - 1),
+            voltage=_pad(run.drive.voltage[:-1], rows - 1),
+            knock=_pad(_knocked(run, time), rows - 1),
+        ),
+        angle=_pad(run.drive.angle - run.drive.angle[0], rows),
+        angle_weight=_pad(np.sqrt(share) / sensors.encoder_sigma, rows),
+        angle_share=_pad(share, rows),
+        frame_time=_pad(stamps, frames),
+        frame=_pad(np.where(seen, frame, 0.0), frames),
+        frame_weight=_pad(seen / sigma, frames),
+        known=np.append(known.position, [0.0, 0.0, 0.0]),
+        known_weight=np.append(
+            1 / known.sigma,
+            [
+                0.0 if run.knock is None else 1 / USUAL_ARM,
+                1 / offset_sigma if clock.sigma > 0 else 0.0,
+                1 / drift if drift > 0 else 0.0,
+            ],
+        ),
+    )
+
+
+def stacked(
+    runs: Sequence[Run],
+    clocks: Sequence[Clock],
+    sensors: Sensors,
+    *,
+    height: float,
+    clock_drifts: bool = False,
+) -> Record:
+    """Runs with the cable on, padded to the longest and stacked.
+
+    Args:
+        runs: The runs.
+        clocks: What is known of the camera's clock in each.
+        sensors: The sensors' noise.
+        height: Height of the frame [m].
+        clock_drifts: Whether the cameras' clocks may drift.
+
+    Returns:
+        Their records, with a leading axis over the runs.
+    """
+    rows = max(run.drive.time.size for run in runs)
+    frames = max((run.camera.time.size for run in runs if run.camera is not None), default=1)
+    each = [
+        record(
+            run,
+            clock,
+            sensors,
+            height=height,
+            rows=rows,
+            frames=frames,
+            clock_drifts=clock_drifts,
+        )
+        for run, clock in zip(runs, clocks, strict=True)
+    ]
+    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
+
+
+def motor_record(runs: Sequence[Run], sensors: Sensors) -> MotorRecord:
+    """Steps of the bare drives, padded to the longest and stacked.
+
+    Args:
+        runs: The runs, without the cable.
+        sensors: The sensors' noise.
+
+    Returns:
+        Their records, with a leading axis over the runs.
+    """
+    rows = max(run.drive.time.size for run in runs)
+    each = []
+    for run in runs:
+        share = readings(run.drive.angle)
+        each.append(
+            MotorRecord(
+                duration=_pad(np.diff(run.drive.time), rows - 1),
+                voltage=_pad(run.drive.voltage[:-1], rows - 1),
+                angle=_pad(run.drive.angle - run.drive.angle[0], rows),
+                weight=_pad(np.sqrt(share) / sensors.encoder_sigma, rows),
+                share=_pad(share, rows),
+            )
+        )
+    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
+
+
+def _camera(run: Run, offset: float) -> tuple[np.ndarray, np.ndarray]:
+    if run.camera is None:
+        return np.zeros(0), np.zeros((0, 5))
+    return run.camera.time - offset - run.drive.time[0], run.camera.position
+
+
+def _knocked(run: Run, time: np.ndarray) -> np.ndarray:
+    """Share of each interval during which the end-effector is knocked."""
+    if run.knock is None:
+        return np.zeros(time.size - 1)
+    start = run.knock.start - run.drive.time[0]
+    inside = np.clip(time, start, start + run.knock.duration)
+    return np.diff(inside) / np.diff(time)
+
+
+def _pad(array: np.ndarray, length: int) -> np.ndarray:
+    width = [(0, length - array.shape[0])] + [(0, 0)] * (array.ndim - 1)
+    return np.pad(array, width)
+
+
+def coarse(records: Record, factor: int) -> Record:
+    """The same runs on a coarser grid, which is what a fit's Jacobians are made on.
+
+    Voltages and knocks become their means over the longer intervals, so that every
+    impulse is kept. An angle becomes the mean of the samples about its instant, and knows
+    as much as these did together.
+
+    Args:
+        records: Records with a leading axis over the runs.
+        factor: How many intervals become one.
+
+    Returns:
+        The records on the coarser grid.
+    """
+    inputs = records.inputs
+    count = -(-inputs.duration.shape[-1] // factor)
+    missing = count * factor - inputs.duration.shape[-1]
+
+    def grouped(array: Float[Array, "runs intervals *rest"]) -> Float[np.ndarray, "..."]:
+        array = np.asarray(array)
+        padded = np.pad(array, [(0, 0), (0, missing)] + [(0, 0)] * (array.ndim - 2))
+        return padded.reshape(array.shape[0], count, factor, *array.shape[2:])
+
+    duration = grouped(inputs.duration)
+    total = np.sum(duration, axis=2)
+    share = duration / np.where(total > 0, total, 1.0)[:, :, None]
+    information = windowed(np.square(records.angle_weight), factor)
+    weighted = windowed(np.square(records.angle_weight) * np.asarray(records.angle), factor)
+    return eqx.tree_at(
+        lambda r: (r.inputs, r.angle, r.angle_weight, r.angle_share),
+        records,
+        (
+            Inputs(
+                duration=total,
+                voltage=np.sum(share[..., None] * grouped(inputs.voltage), axis=2),
+                knock=np.sum(share * grouped(inputs.knock), axis=2),
+            ),
+            jnp.asarray(weighted / np.where(information > 0, information, 1.0)),
+            jnp.asarray(np.sqrt(information)),
+            jnp.asarray(np.minimum(windowed(records.angle_share, factor), 1.0)),
+        ),
+    )
+
+
+def windowed(
+    samples: Float[Array | np.ndarray, "runs rows 2"], factor: int
+) -> Float[np.ndarray, "runs instants 2"]:
+    """Sums over the samples about each instant of a coarser grid.
+
+    Args:
+        samples: Something of each sample.
+        factor: How many intervals of the samples are one of the coarser grid.
+
+    Returns:
+        The sums; the first and the last window have half of the width.
+    """
+    samples = np.asarray(samples)
+    intervals = samples.shape[1] - 1
+    before = factor // 2
+    instants = -(-intervals // factor) + 1
+    after = instants * factor - before - samples.shape[1]
+    padded = np.pad(samples, [(0, 0), (before, max(after, 0)), (0, 0)])
+    grouped = padded[:, : instants * factor].reshape(samples.shape[0], instants, factor, 2)
+    return grouped.sum(axis=2)

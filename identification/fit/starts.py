@@ -1,0 +1,255 @@
+"""Where a fit begins: from the drives alone, a scan, and its valleys followed down.
+
+The vibration's phase wraps, so a fit that starts at the wrong pretension ends in a local
+minimum. A scan over pretension and friction on a coarse grid finds the valleys; a few runs
+are enough to follow all of them to their ends, side by side.
+"""
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from identification.fit.problem import Problem
+from identification.fit.scan import scan
+from identification.fit.unknowns.unknowns import PER_SETTING, decode, encode
+from scdpr_jax.robot.parameters import value
+
+SCAN_RUNS = 2
+"""Runs of a setting that the scan looks at: those that move the furthest sideways."""
+
+VALLEYS = 6
+"""Valleys of the scan that are followed down."""
+
+SAME = 0.01
+"""Relative difference of pretensions below which two ends are the same minimum [1]."""
+
+PRETENSIONS = tuple(float(t) for t in 15 * 1.06 ** np.arange(68))
+"""Effective pretensions to try [N]: 6 % apart, as far as the phase of a few periods goes."""
+
+FRICTION_FORCES = tuple(float(f) for f in 0.4 * 1.6 ** np.arange(11))
+"""Friction forces of a carriage to try, 4Tμ, 0.4 to 44 N [N]."""
+
+KNOCKS = tuple(float(f) for s in (-1, 1) for f in s * 2.0 * 1.25 ** np.arange(20))
+"""Forces of a knock to try [N]."""
+
+FRICTION = "friction_coefficient"
+
+
+class Valley(NamedTuple):
+    """A minimum of the misfit over pretension and friction, by a few runs of a setting."""
+
+    setting: str
+    """Nominal pretension."""
+    pretension: float
+    """Effective pretension [N]."""
+    friction_coefficient: float
+    """Coefficient of friction of the carriages [1]."""
+    misfit: float
+    """Misfit per measurement of these runs [1]."""
+
+
+class Start(NamedTuple):
+    """Where a fit begins, and what else there was."""
+
+    points: tuple[Float[np.ndarray, " n"], ...]
+    """Vectors of the fit, the most promising first; seldom more than one."""
+    valleys: tuple[Valley, ...]
+    """Every distinct minimum that the scan's valleys led to, by setting, the best first."""
+
+
+AMBIGUOUS = 1.3
+"""Misfit over the least one up to which a valley is tried on all runs, too [1]."""
+
+
+def starts(problem: Problem, progress: Callable[[str, float], None]) -> Start:
+    """Points to begin a fit at.
+
+    Args:
+        problem: The problem.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        The points, with the valleys that they come from.
+    """
+    base = _drives_alone(problem, problem.at_rest())
+    for row, run in enumerate(problem.cabled):
+        if problem.runs[run].knock is not None:
+            base[problem.own(run)[3]] = _seen_knock(problem, row)
+    shared = problem.unknowns.shared
+    labels = sorted({label for name, label in shared if name == PER_SETTING})
+    scanned = problem.records is not None and bool(labels)
+    if not scanned or not problem.unknowns.opened[shared.index((PER_SETTING, labels[0]))]:
+        return Start((_with_knocks(problem, base),), ())
+    points, valleys = [base], []
+    for number, label in enumerate(labels):
+        progress(f"scan at {label}", number / len(labels))
+        found = _valleys(problem, base, label)
+        valleys += [valley for valley, _ in found]
+        if found:
+            close = [
+                end for valley, end in found if valley.misfit <= AMBIGUOUS * found[0][0].misfit
+            ]
+            points = [_joined(problem, point, end, label) for point in points for end in close]
+    points = [_with_knocks(problem, _one_friction(problem, point, valleys)) for point in points]
+    return Start(tuple(points[:VALLEYS]), tuple(valleys))
+
+
+def _drives_alone(problem: Problem, base: np.ndarray) -> np.ndarray:
+    """The start with the drives' own quantities from the runs without the cable."""
+    if problem.motor_records is None:
+        return base
+    # What was measured at a setting says nothing of the drives until its runs are there.
+    common = tuple(one for one in problem.measured if one.setting is None)
+    alone = dataclasses.replace(problem, records=None, rough=None, cabled=(), measured=common)
+    return alone.minimise(base, iterations=30, decrement=1e-2).point
+
+
+def _valleys(problem: Problem, base: np.ndarray, label: str) -> list[tuple[Valley, np.ndarray]]:
+    """Distinct minima at a setting with the vectors that they are at, the best first."""
+    rows = _telling_runs(problem, label)
+    if not rows:
+        return []
+    begun = [
+        _at(problem, base, label, pretension, force)
+        for pretension, force in _scanned(problem, base, label, rows)[:VALLEYS]
+    ]
+    ends = problem.minimise_on(rows, begun, iterations=12, decrement=1.0, share=1e-3)
+    share = np.asarray(problem.rough.angle_share)[rows]
+    count = float(np.sum(share)) + np.count_nonzero(
+        np.asarray(problem.rough.frame_weight)[rows]
+    )
+    found: list[tuple[Valley, np.ndarray]] = []
+    for end in sorted(ends, key=lambda end: end.normal.cost):
+        valley = Valley(
+            label,
+            decode(PER_SETTING, end.point[_where(problem, PER_SETTING, label)]),
+            _friction(problem, end.point),
+            end.normal.cost / count,
+        )
+        if all(abs(valley.pretension / other.pretension - 1) > SAME for other, _ in found):
+            found.append((valley, end.point))
+    return found
+
+
+def _telling_runs(problem: Problem, label: str) -> list[int]:
+    """The runs of a setting that move the furthest sideways; knocked ones only at need."""
+    of_setting = [
+        row
+        for row, run in enumerate(problem.cabled)
+        if problem.runs[run].pretension_label == label and run not in problem.held_out
+    ]
+    reach = np.ptp(np.sum(np.asarray(problem.records.angle), axis=2), axis=1)
+
+    def rank(row: int) -> tuple[bool, float]:
+        # A knock's force isn't known yet.
+        return problem.runs[problem.cabled[row]].knock is not None, -float(reach[row])
+
+    return sorted(of_setting, key=rank)[:SCAN_RUNS]
+
+
+def _scanned(
+    problem: Problem, base: np.ndarray, label: str, rows: Sequence[int]
+) -> list[tuple[float, float]]:
+    """Pretension and friction force [N] of the scan's minima, the best first."""
+    tried = [(t, f) for t in PRETENSIONS for f in FRICTION_FORCES]
+    vectors = [
+        _at(problem, base, label, *pair)[problem.unknowns.of_run(problem.cabled[row])]
+        for pair in tried
+        for row in rows
+    ]
+    cost = scan(
+        problem.prior,
+        problem.unknowns.free,
+        np.stack(vectors),
+        list(rows) * len(tried),
+        problem.rough,
+    )
+    total = cost.reshape(len(PRETENSIONS), len(FRICTION_FORCES), len(rows)).sum(axis=2)
+    over_friction = total.min(axis=1)
+    padded = np.pad(over_friction, 1, constant_values=np.inf)
+    minima = np.flatnonzero((over_friction <= padded[:-2]) & (over_friction <= padded[2:]))
+    minima = minima[np.argsort(over_friction[minima])]
+    return [(PRETENSIONS[k], FRICTION_FORCES[int(np.argmin(total[k]))]) for k in minima]
+
+
+def _at(
+    problem: Problem, base: np.ndarray, label: str, pretension: float, force: float
+) -> np.ndarray:
+    """The base with a pretension and a friction force."""
+    point = base.copy()
+    point[_where(problem, PER_SETTING, label)] = encode(PER_SETTING, pretension)
+    if (FRICTION, None) in problem.unknowns.shared:
+        point[_where(problem, FRICTION, None)] = encode(FRICTION, force / (4 * pretension))
+    return point
+
+
+def _seen_knock(problem: Problem, row: int) -> float:
+    r"""Force of a knock by the first frame after it, $F = m_e \Delta x / (\Delta t\, t_F)$."""
+    run, record = problem.runs[problem.cabled[row]], problem.records
+    weight = np.asarray(record.frame_weight)[row, :, 0]
+    stamps = np.asarray(record.frame_time)[row]
+    ended = run.knock.start + run.knock.duration - run.drive.time[0]
+    after = np.flatnonzero((weight > 0) & (stamps > ended))
+    if after.size == 0:
+        return KNOCKS[-1] / 4
+    lower, upper, height = np.asarray(record.known)[row, :3]
+    robot = problem.prior
+    at_rest = lower - (lower - upper) / float(value(robot, "frame_height")) * height
+    moved = float(np.asarray(record.frame)[row, after[0], 0]) - at_rest
+    time = float(stamps[after[0]]) - ended + run.knock.duration / 2
+    return float(value(robot, "end_effector_mass")) * moved / (time * run.knock.duration)
+
+
+def _joined(problem: Problem, point: np.ndarray, end: np.ndarray, label: str) -> np.ndarray:
+    """A point with what a valley says of its setting, and of everything else it freed."""
+    joined = end.copy()
+    for index, (name, setting) in enumerate(problem.unknowns.shared):
+        if name == PER_SETTING and setting != label:
+            joined[index] = point[index]
+    first = len(problem.unknowns.shared)
+    joined[first:] = point[first:]
+    return joined
+
+
+def _one_friction(problem: Problem, point: np.ndarray, valleys: list[Valley]) -> np.ndarray:
+    """The friction that the best valleys of all settings have in the middle."""
+    labels = {valley.setting for valley in valleys}
+    if len(labels) < 2 or (FRICTION, None) not in problem.unknowns.shared:
+        return point
+    best = [next(v for v in valleys if v.setting == label) for label in labels]
+    point = point.copy()
+    middle = float(np.median([valley.friction_coefficient for valley in best]))
+    point[_where(problem, FRICTION, None)] = encode(FRICTION, middle)
+    return point
+
+
+def _with_knocks(problem: Problem, point: np.ndarray) -> np.ndarray:
+    """The start with the forces of its knocks that fit best."""
+    unknowns, point = problem.unknowns, point.copy()
+    knocked = [k for k, i in enumerate(problem.cabled) if problem.runs[i].knock is not None]
+    if not knocked:
+        return point
+    rows = []
+    for k in knocked:
+        for force in KNOCKS:
+            moved = point.copy()
+            moved[problem.own(problem.cabled[k])[3]] = force
+            rows.append(moved[unknowns.of_run(problem.cabled[k])])
+    which = [k for k in knocked for _ in KNOCKS]
+    cost = scan(problem.prior, unknowns.free, np.stack(rows), which, problem.rough)
+    for k, costs in zip(knocked, cost.reshape(len(knocked), len(KNOCKS)), strict=True):
+        point[problem.own(problem.cabled[k])[3]] = KNOCKS[int(np.argmin(costs))]
+    return point
+
+
+def _where(problem: Problem, name: str, setting: str | None) -> int:
+    return problem.unknowns.shared.index((name, setting))
+
+
+def _friction(problem: Problem, point: np.ndarray) -> float:
+    if (FRICTION, None) in problem.unknowns.shared:
+        return decode(FRICTION, point[_where(problem, FRICTION, None)])
+    return float(value(problem.prior, FRICTION))

@@ -1,0 +1,223 @@
+"""What a fit is free to change: the robot's named quantities and each run's circumstances.
+
+Within a fit a quantity that must be positive is its logarithm, so that a step is a ratio;
+one that may be zero is itself, with zero as its bound.
+"""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
+
+from identification.campaign.types import Run
+from scdpr_jax.robot.parameters import Robot, quantity, replace, value
+
+PER_SETTING = "effective_pretension"
+"""The quantity that every nominal pretension has its own value of."""
+
+DEFAULT_FREE = (
+    "friction_coefficient",
+    "drive_inertia",
+    "drive_damping",
+    "drive_friction",
+    "effective_pretension",
+)
+"""What is estimated unless the caller chooses otherwise: no drive is without dry friction, and
+where it is left out the carriages' takes it up."""
+
+FOLLOWS = {"upper_friction_coefficient": "friction_coefficient"}
+"""Quantities that have the value of another one as long as they aren't free."""
+
+CIRCUMSTANCES = (
+    "lower",
+    "upper",
+    "height",
+    "knock",
+    "knock_arm",
+    "clock_offset",
+    "clock_drift",
+)
+"""What is estimated of each run, in the order of `Circumstances`."""
+
+CLOCK = 2
+"""How many of these, the last ones, are the camera's clock: they move no robot."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Unknowns:
+    """The layout of a fit's vector: shared quantities first, then each run's own."""
+
+    free: tuple[str, ...]
+    """Names of the free quantities."""
+    shared: tuple[tuple[str, str | None], ...]
+    """Name and pretension setting of each shared unknown."""
+    local: Int[np.ndarray, "runs names"]
+    """Which shared unknown each run's free quantity is."""
+    active: Bool[np.ndarray, "runs circumstances"]
+    """Which circumstances each run leaves open."""
+    opened: Bool[np.ndarray, " shared"]
+    """Which shared unknowns the fit may change; the others keep their values."""
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.shared) + self.active.size
+
+    def of_run(self, run: int) -> Int[np.ndarray, " own"]:
+        """Where a run's quantities and circumstances stand in the vector.
+
+        Args:
+            run: The run's number.
+
+        Returns:
+            Indices, quantities first.
+        """
+        count = len(CIRCUMSTANCES)
+        first = len(self.shared) + count * run
+        return np.concatenate([self.local[run], np.arange(first, first + count)])
+
+    def lower(self) -> Float[np.ndarray, " size"]:
+        """Lower bounds of the vector.
+
+        Returns:
+            Zero for a quantity that may be zero, minus infinity for everything else.
+        """
+        bounds = np.full(self.size, -np.inf)
+        for index, (name, _) in enumerate(self.shared):
+            if not (quantity(name).positive or quantity(name).signed):
+                bounds[index] = 0.0
+        return bounds
+
+
+def layout(
+    runs: Sequence[Run],
+    free: tuple[str, ...],
+    *,
+    opened: Sequence[str] | None = None,
+    clock_drifts: bool = False,
+) -> Unknowns:
+    """The unknowns of a set of runs.
+
+    Args:
+        runs: The runs to fit.
+        free: Names of the quantities to estimate.
+        opened: Those of them that a fit may change, None for all: models that free
+            different quantities then share what is compiled for `free`. The upper
+            carriage's friction, if it isn't opened, follows the lower one's.
+        clock_drifts: Whether the cameras' clocks may drift.
+
+    Returns:
+        Their layout; motor steps leave no circumstances open.
+
+    Raises:
+        ValueError: If a name is unknown or stands twice.
+    """
+    for name in free:
+        quantity(name)
+    if len(set(free)) != len(free):
+        raise ValueError(f"`free` names a quantity twice, got {', '.join(free)}.")
+    cabled = [run for run in runs if run.kind != "motor_step"] or runs
+    settings = sorted({(run.pretension, run.pretension_label) for run in cabled})
+    chosen = free if opened is None else tuple(opened)
+    followed = {
+        follower: leader
+        for follower, leader in FOLLOWS.items()
+        if follower in free and follower not in chosen and leader in free
+    }
+    shared: list[tuple[str, str | None]] = []
+    for name in free:
+        if name == PER_SETTING:
+            shared.extend((name, label) for _, label in settings)
+        elif name not in followed:
+            shared.append((name, None))
+    labels = {label for _, label in settings}
+
+    def setting(run: Run, name: str) -> str | None:
+        if name != PER_SETTING:
+            return None
+        # Without the cable any setting will do: the run doesn't depend on it.
+        return run.pretension_label if run.pretension_label in labels else settings[0][1]
+
+    local = [
+        [shared.index((followed.get(name, name), setting(run, name))) for name in free]
+        for run in runs
+    ]
+    return Unknowns(
+        free=free,
+        shared=tuple(shared),
+        local=np.array(local, dtype=int).reshape(len(runs), len(free)),
+        active=np.array([_open(run, clock_drifts) for run in runs]).reshape(
+            len(runs), len(CIRCUMSTANCES)
+        ),
+        opened=np.array([name in chosen for name, _ in shared], dtype=bool),
+    )
+
+
+def encode(name: str, number: float) -> float:
+    """A quantity's value as a fit holds it.
+
+    Args:
+        name: Name of the quantity.
+        number: Its value [SI].
+
+    Returns:
+        Its logarithm if it must be positive, else itself.
+    """
+    return math.log(number) if quantity(name).positive else float(number)
+
+
+def decode(name: str, held: float) -> float:
+    """A quantity's value from how a fit holds it, the inverse of `encode`.
+
+    Args:
+        name: Name of the quantity.
+        held: What the fit holds.
+
+    Returns:
+        Its value [SI].
+    """
+    return math.exp(held) if quantity(name).positive else float(held)
+
+
+def apply(robot: Robot, free: tuple[str, ...], encoded: Float[Array, " names"]) -> Robot:
+    """The robot with the free quantities that a fit's vector stands for.
+
+    Args:
+        robot: The robot to start from.
+        free: Names of the free quantities.
+        encoded: Their values as the fit holds them.
+
+    Returns:
+        The robot with these values.
+    """
+    values = {
+        name: jnp.exp(number) if quantity(name).positive else number
+        for name, number in zip(free, encoded, strict=True)
+    }
+    return replace(robot, values)
+
+
+def start_values(robot: Robot, unknowns: Unknowns) -> Float[np.ndarray, " shared"]:
+    """The robot's own values of the shared unknowns, as a fit holds them.
+
+    Args:
+        robot: The robot.
+        unknowns: The layout.
+
+    Returns:
+        Encoded values of the shared unknowns.
+    """
+    numbers = [encode(name, float(value(robot, name))) for name, _ in unknowns.shared]
+    return np.array(numbers, dtype=float)
+
+
+def _open(run: Run, clock_drifts: bool) -> list[bool]:
+    if run.kind == "motor_step":
+        return [False] * len(CIRCUMSTANCES)
+    seen = run.camera is not None
+    unknown_clock = run.clock_offset is None and seen
+    knocked = run.knock is not None
+    return [True, True, True, knocked, knocked, unknown_clock, clock_drifts and seen]

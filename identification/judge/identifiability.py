@@ -1,0 +1,217 @@
+r"""What logs can tell of which quantity, before a fit and after it.
+
+With the residuals' Jacobian $J$ in units of the noise, $J^T J$ is Fisher's information. What
+each run's circumstances share with the quantities is taken off by the Schur complement; the
+eigenvectors of what is left are the combinations of quantities that the logs tell, and the
+small eigenvalues those that they don't.
+"""
+
+import dataclasses
+from collections.abc import Mapping
+
+import numpy as np
+from jaxtyping import Float
+
+from identification.fit.accumulate import RunSums
+from identification.fit.comparison import ENCODERS
+from identification.fit.problem import Problem
+from identification.fit.unknowns.unknowns import decode
+from identification.judge.uncertainty import magnitude
+from scdpr_jax.robot.parameters import quantity
+
+SENSORS = ("encoders", "camera")
+"""Groups of channels in the table of `Identifiability.moved`."""
+
+KNOWN = 0.1
+"""Relative standard error up to which a combination counts as told [1]."""
+
+TOLD_PART = 0.2
+"""Part of a unit combination from which a quantity is named in it [1]."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Combination:
+    """A product of powers of quantities, and how well the logs tell it."""
+
+    names: tuple[tuple[str, str | None], ...]
+    """Name and setting of each quantity."""
+    powers: tuple[float, ...]
+    """Their powers, of unit norm [1]."""
+    sigma: float
+    """Relative standard error of the combination by the noise alone; may be infinite [1]."""
+
+    def text(self) -> str:
+        """The combination in words: which quantities rise and fall together."""
+        parts = [
+            (_named(name, setting), power)
+            for (name, setting), power in zip(self.names, self.powers, strict=True)
+            if abs(power) >= TOLD_PART
+        ]
+        if len(parts) == 1:
+            return f"{parts[0][0]} by itself"
+        rising = [name for name, power in parts if power > 0]
+        falling = [name for name, power in parts if power < 0]
+        if not falling or not rising:
+            return f"{_listed(rising + falling)} rising together"
+        return f"{_listed(rising)} rising while {_listed(falling)} fall"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Identifiability:
+    """What logs can tell of the free quantities of a robot."""
+
+    names: tuple[tuple[str, str | None], ...]
+    """Name and setting of each free quantity."""
+    runs: tuple[str, ...]
+    """Names of the runs."""
+    moved: Float[np.ndarray, "runs 2 quantities"]
+    """By how many of the noise's standard deviations, all samples together, 1 % of each
+    quantity (of its size, for one that may be zero) moves each run's encoders and camera."""
+    alone: Float[np.ndarray, " quantities"]
+    """Relative standard error of each quantity if the others were known [1]."""
+    together: Float[np.ndarray, " quantities"]
+    """The same with all of them unknown; infinite for what the logs don't tell [1]."""
+    combinations: tuple[Combination, ...]
+    """From the best to the worst told."""
+
+    @property
+    def rank(self) -> int:
+        """How many combinations the logs tell to better than `KNOWN`."""
+        return sum(one.sigma < KNOWN for one in self.combinations)
+
+    def untold(self) -> tuple[Combination, ...]:
+        """The combinations that the logs don't tell."""
+        return tuple(one for one in self.combinations if one.sigma >= KNOWN)
+
+    def reason(self, name: str, setting: str | None) -> str:
+        """Why a quantity is told badly, in words.
+
+        Args:
+            name: Name of the quantity.
+            setting: Its nominal pretension, None for one that all settings share.
+
+        Returns:
+            A sentence.
+        """
+        index = self.names.index((name, setting))
+        told = _named(name, setting)
+        moved = self.moved[:, :, index]
+        if not np.any(moved > 0):
+            return f"Nothing in the logs depends on the {told}."
+        strongest = np.unravel_index(np.argmax(moved), moved.shape)
+        where = f"{self.runs[strongest[0]]}'s {SENSORS[strongest[1]]}"
+        if self.alone[index] >= KNOWN:
+            return (
+                f"The {told} hardly moves anything: 1 % of it moves {where} the most, by "
+                f"{moved[strongest]:.2g} standard deviations of the noise."
+            )
+        shared = [one for one in self.untold() if abs(one.powers[index]) >= TOLD_PART]
+        if shared:
+            return f"The logs can't tell {shared[-1].text()}."
+        return (
+            f"By the noise alone the {told} would be known to "
+            f"{100 * self.together[index]:.2g} %: what leaves it open is the model's own error."
+        )
+
+
+def identifiability(
+    problem: Problem, point: Float[np.ndarray, " n"], of_runs: Mapping[int, RunSums]
+) -> Identifiability:
+    """What the fitted runs of a problem can tell, if the robot is about what a point says.
+
+    Args:
+        problem: The problem.
+        point: Vector of the fit; before a fit the start that the logs give.
+        of_runs: What each fitted run adds there, by its number.
+
+    Returns:
+        What moves what, and which combinations are told.
+    """
+    unknowns = problem.unknowns
+    opened = np.flatnonzero(unknowns.opened)
+    parts = [(run, sums.information, sums.known) for run, sums in of_runs.items()]
+    size, scale = unknowns.size, _scales(problem, point)
+    matrix, moved = np.zeros((size, size)), np.zeros((len(parts), 2, size))
+    for k, (run, channels, known) in enumerate(parts):
+        at = unknowns.of_run(run)[: channels.shape[-1]]
+        encoders, camera = channels[: len(ENCODERS)], channels[len(ENCODERS) :]
+        np.add.at(matrix, np.ix_(at, at), channels.sum(axis=0) + known)
+        for group, of_group in enumerate((encoders, camera)):
+            squares = np.diagonal(of_group, axis1=1, axis2=2).sum(axis=0)
+            np.add.at(moved[k, group], at, squares)
+    matrix += problem.otherwise(point).matrix
+    matrix = matrix * np.outer(scale, scale)
+    left = _schur(matrix, opened, _circumstances(problem))
+    combinations = _combinations(left, [unknowns.shared[k] for k in opened])
+    with np.errstate(divide="ignore"):
+        alone = 1 / np.sqrt(np.diag(matrix)[opened])
+    return Identifiability(
+        names=tuple(unknowns.shared[k] for k in opened),
+        runs=tuple(problem.runs[run].name for run, _, _ in parts),
+        moved=0.01 * np.sqrt(moved[:, :, opened]) * scale[opened],
+        alone=alone,
+        together=_together(combinations, len(opened)),
+        combinations=combinations,
+    )
+
+
+def _scales(problem: Problem, point: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
+    """What a relative change of 1 is in each unknown, where it isn't a logarithm."""
+    scale = np.ones(problem.unknowns.size)
+    for index, (name, _) in enumerate(problem.unknowns.shared):
+        if not quantity(name).positive:
+            scale[index] = magnitude(name, decode(name, point[index])) or 1.0
+    return scale
+
+
+def _circumstances(problem: Problem) -> np.ndarray:
+    fitted = np.isin(np.arange(len(problem.runs)), problem.fitted())
+    active = problem.unknowns.active & fitted[:, None]
+    return len(problem.unknowns.shared) + np.flatnonzero(active.ravel())
+
+
+def _schur(
+    matrix: Float[np.ndarray, "n n"], kept: np.ndarray, taken: np.ndarray
+) -> Float[np.ndarray, "k k"]:
+    """Information about some unknowns while others are unknown, too."""
+    taken = taken[np.diag(matrix)[taken] > 0]
+    across = matrix[np.ix_(kept, taken)]
+    size = 1 / np.sqrt(np.diag(matrix)[taken])
+    inner = np.linalg.pinv(matrix[np.ix_(taken, taken)] * np.outer(size, size), hermitian=True)
+    return matrix[np.ix_(kept, kept)] - (across * size) @ inner @ (across * size).T
+
+
+def _combinations(
+    information: Float[np.ndarray, "k k"], names: list[tuple[str, str | None]]
+) -> tuple[Combination, ...]:
+    values, vectors = np.linalg.eigh(information)
+    # What rounding leaves of an eigenvalue that is zero.
+    floor = len(values) * np.finfo(float).eps * max(float(values[-1]), 1e-300)
+    found = []
+    for number, vector in zip(values[::-1], vectors.T[::-1], strict=True):
+        vector = vector * np.sign(vector[np.argmax(np.abs(vector))])
+        sigma = float(1 / np.sqrt(number)) if number > floor else np.inf
+        powers = tuple(float(power) for power in vector)
+        found.append(Combination(tuple(names), powers, sigma))
+    return tuple(found)
+
+
+def _together(
+    combinations: tuple[Combination, ...], count: int
+) -> Float[np.ndarray, " quantities"]:
+    """Standard errors of the quantities from those of their combinations."""
+    variance = np.zeros(count)
+    for one in combinations:
+        power = np.square(one.powers)
+        # An eigenvector's own rounding doesn't make a quantity untold.
+        has_part = power > 1e-12
+        variance[has_part] += power[has_part] * one.sigma**2
+    return np.sqrt(variance)
+
+
+def _named(name: str, setting: str | None) -> str:
+    return name.replace("_", " ") + ("" if setting is None else f" at {setting}")
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

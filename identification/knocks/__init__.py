@@ -1,0 +1,1 @@
+"""Natural frequency and damping from the free vibration after knocks."""

@@ -1,0 +1,320 @@
+"""Natural frequency and damping from the free vibration after a knock."""
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+import scipy.stats
+from jaxtyping import Float
+
+from identification.knocks.decay import Decay, fit_decay
+from identification.knocks.spectrum import natural_frequency
+from scdpr_jax.numerics.long_run import sandwich
+from scdpr_jax.robot.fields import si
+
+_FEWEST = 20  # samples: two modes and a drift take ten
+_STARTS = 16  # windows tried
+_LATEST = 0.6  # of the record after the knock: a window has 40 % of it at the least
+_CYCLES = 1.5  # periods in a window: fewer can't be told from a drift
+_NYQUIST = 0.9  # of half the sampling rate: beyond it a mode is sampled twice a period
+_HEAVY = 0.3  # damping ratio: a sliding carriage's transient, not a vibration to shape for
+_LEVEL = 0.01  # significance at which residuals are called more than noise
+_EVIDENCE = 10.0  # of Schwarz's criterion: "very strong" (Kass and Raftery, 1995)
+_SAME = 0.2  # of the frequency: further off, another window's strongest mode is another one
+_DOUBTFUL = 0.25  # of the reciprocal length: a frequency less certain isn't resolved
+
+
+class Mode(NamedTuple):
+    """One vibration mode in a ring-down."""
+
+    frequency: float
+    r"""Natural frequency $\omega_n / 2\pi$, not the damped one [Hz]."""
+    frequency_sigma: float
+    """Its standard error [Hz]."""
+    damping_ratio: float
+    """Damping ratio [1], not below 0."""
+    damping_ratio_sigma: float
+    """Its standard error, before the bound at 0 [1]."""
+    amplitude: float
+    """Amplitude at the start of the window [m]."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RingDown:
+    """A knock's free vibration: its strongest mode, and how well that is known."""
+
+    frequency: float = dataclasses.field(metadata=si("Hz", "f_n"))
+    """Natural frequency of the strongest mode [Hz]."""
+    frequency_sigma: float = dataclasses.field(metadata=si("Hz"))
+    """Its standard error [Hz]."""
+    damping_ratio: float = dataclasses.field(metadata=si("1", r"\zeta"))
+    """Its damping ratio [1], not below 0."""
+    damping_ratio_sigma: float = dataclasses.field(metadata=si("1"))
+    """Standard error of the damping ratio, before the bound at 0 [1]."""
+    amplitude: float = dataclasses.field(metadata=si("m"))
+    """Its amplitude at the start of the window [m]."""
+    fft_frequency: float = dataclasses.field(metadata=si("Hz"))
+    """The same by the paper's peak picking in the same window [Hz], see `spectrum`."""
+    fft_resolution: float = dataclasses.field(metadata=si("Hz"))
+    """Reciprocal length of the window [Hz], what the peak picking can tell apart."""
+    window: tuple[float, float] = dataclasses.field(metadata=si("s"))
+    """First and last time of the samples that were fitted [s]."""
+    chi_square: float = dataclasses.field(metadata=si("1"))
+    """Residual variance over the camera's, 1 for noise alone [1]."""
+    modes: tuple[Mode, ...]
+    """All modes found, the strongest first."""
+    residuals_are_noise: bool
+    """Whether the decay leaves nothing but the camera's noise; if not, the carriages are
+    still sliding, frequency and damping depend on amplitude, and the standard errors are
+    widened by what is left over."""
+
+
+class _Window(NamedTuple):
+    """The best model of one window."""
+
+    start: float
+    fit: Decay
+    chi_square: float
+    is_noise: bool
+
+
+def ring_down(
+    time: Float[np.ndarray, " samples"],
+    displacement: Float[np.ndarray, " samples"],
+    *,
+    noise_sigma: float,
+    after: float,
+) -> RingDown:
+    r"""Fit decaying sines to the free vibration after a knock.
+
+    $$ x(t) = \sum_i A_i e^{-\zeta_i \omega_i t}
+       \cos\!\big(\sqrt{1 - \zeta_i^2}\, \omega_i t + \phi_i\big) + o \;[\,+ d\,t\,] $$
+
+    A knock sets the carriages sliding. While they slide, the decay isn't exponential and
+    the frequency differs; once friction holds both, what is left is a linear vibration of
+    the end-effector between held carriages. So the window starts as early as it can with
+    residuals that are the camera's noise. Where it can't, it starts where they are nearest
+    to it, and says so. In each window one or two modes, with or without drift, are chosen
+    by Schwarz's criterion; only modes that vibrate (damping ratio below 0.3) are allowed.
+
+    This runs in NumPy: the number of samples changes from window to window, and there is
+    nothing to compile; a knock takes a tenth of a second.
+
+    Args:
+        time: Time of each sample [s], strictly increasing.
+        displacement: Horizontal displacement of the end-effector [m], NaN where lost.
+        noise_sigma: Standard deviation of the camera's position [m].
+        after: Earliest time of the window [s]: the end of the knock, with a margin for
+            what isn't known of the camera's clock.
+
+    Returns:
+        The ring-down.
+
+    Raises:
+        ValueError: If too few samples are left, or no vibration stands out of the noise.
+    """
+    if not noise_sigma > 0:
+        raise ValueError(
+            f"`noise_sigma` must be positive [m], got {noise_sigma}. It is the camera's "
+            "standard deviation of a position, 0.19 mm on the paper's rig."
+        )
+    seen = np.isfinite(displacement) & (time >= after)
+    time, displacement = time[seen], displacement[seen]
+    _check_length(time, after=after)
+    starts = time[0] + (time[-1] - time[0]) * np.linspace(0, _LATEST, _STARTS)
+    windows = []
+    for start in starts:
+        inside = time >= start
+        window = _window(time[inside], displacement[inside], noise_sigma=noise_sigma)
+        windows += [] if window is None else [window]
+        if windows and windows[-1].is_noise:
+            break
+    if not windows:
+        raise ValueError(_silence(time, noise_sigma=noise_sigma))
+    chosen = windows[-1]
+    if not chosen.is_noise:
+        chosen = min(windows, key=lambda window: window.chi_square)
+    inside = time >= chosen.start
+    return _result(
+        time[inside], displacement[inside], chosen, windows=windows, noise_sigma=noise_sigma
+    )
+
+
+def _check_length(time: Float[np.ndarray, " samples"], *, after: float) -> None:
+    """Refuse a record that is too short to be split into windows."""
+    needed = int(np.ceil(_FEWEST / (1 - _LATEST)))
+    if len(time) < needed:
+        raise ValueError(
+            f"{len(time)} samples with a position after {after:.3g} s, expected at least "
+            f"{needed} to tell a decay from noise. Record for longer after the knock, or "
+            "check the camera's view of the marker."
+        )
+
+
+def _silence(time: Float[np.ndarray, " samples"], *, noise_sigma: float) -> str:
+    """What to say when nothing rings."""
+    # What four more parameters have to gain, as the amplitude of a lasting sine.
+    gain = 4 * np.log(len(time)) + _EVIDENCE
+    least = noise_sigma * np.sqrt(2 * gain / len(time))
+    return (
+        f"no vibration stands out between {time[0]:.3g} s and {time[-1]:.3g} s: the knock "
+        f"rang less than about {1e3 * least:.2g} mm, expected more than that over the "
+        f"camera's {1e3 * noise_sigma:.2g} mm noise. Knock harder, or leave this run out."
+    )
+
+
+def _window(
+    time: Float[np.ndarray, " samples"],
+    displacement: Float[np.ndarray, " samples"],
+    *,
+    noise_sigma: float,
+) -> _Window | None:
+    """The best model of a window, None if no vibration stands out in it."""
+    if len(time) < _FEWEST:
+        return None
+    t, count = time - time[0], len(time)
+    band = (_CYCLES / t[-1], _NYQUIST * 0.5 / float(np.median(np.diff(t))))
+    if band[0] >= band[1]:
+        return None
+    models, silent = [], []
+    for drift in (False, True):
+        line = np.stack([np.ones(count), t][: 1 + drift], axis=1)
+        rest = displacement - line @ np.linalg.lstsq(line, displacement, rcond=None)[0]
+        silent.append(_schwarz(rest, 1 + drift, noise_sigma))
+        first = fit_decay(t, displacement, band=band, drift=drift)
+        models.append(first)
+        models.append(fit_decay(t, displacement, band=band, drift=drift, beside=first))
+    scored = [
+        (_schwarz(fit.residuals, fit.jacobian.shape[1], noise_sigma), i, fit)
+        for i, fit in enumerate(models)
+        if _vibrates(fit, band=band, noise_sigma=noise_sigma)
+    ]
+    if not scored or min(scored)[0] > min(silent) - _EVIDENCE:
+        return None
+    fit = min(scored)[2]
+    chi_square, is_noise = _judge(fit, noise_sigma=noise_sigma)
+    return _Window(float(time[0]), fit, chi_square, is_noise)
+
+
+def _schwarz(
+    residuals: Float[np.ndarray, " samples"], parameters: int, noise_sigma: float
+) -> float:
+    """Schwarz's (Bayesian) information criterion for noise of known size [1]."""
+    chi_square = float(residuals @ residuals) / noise_sigma**2
+    return chi_square + parameters * float(np.log(len(residuals)))
+
+
+def _vibrates(fit: Decay, *, band: tuple[float, float], noise_sigma: float) -> bool:
+    """Whether all modes are lightly damped, inside the band and resolved."""
+    frequency = fit.angular_frequency / (2 * np.pi)
+    if np.any(frequency < band[0]) or np.any(frequency > band[1]):
+        return False
+    normal = fit.jacobian.T @ fit.jacobian
+    scale = np.sqrt(np.diag(normal))
+    if not np.all(scale > 0) or np.linalg.cond(normal / np.outer(scale, scale)) > 1e10:
+        return False
+    modes = _modes(fit, noise_sigma**2 * np.linalg.inv(normal))
+    ratio = fit.rate / np.hypot(fit.rate, fit.angular_frequency)
+    doubtful = _DOUBTFUL * band[0] / _CYCLES
+    return all(
+        mode.frequency_sigma < doubtful and -3 * mode.damping_ratio_sigma <= value <= _HEAVY
+        for mode, value in zip(modes, ratio, strict=True)
+    )
+
+
+def _judge(fit: Decay, *, noise_sigma: float) -> tuple[float, bool]:
+    """Residual variance over the noise's, and whether the residuals pass for noise."""
+    count, parameters = fit.jacobian.shape
+    freedom = count - parameters
+    total = float(fit.residuals @ fit.residuals)
+    likely = scipy.stats.chi2.sf(total / noise_sigma**2, freedom) > _LEVEL
+    neighbours = float(fit.residuals[1:] @ fit.residuals[:-1]) / total
+    # Under noise the correlation of neighbours is normal with a variance of 1/n.
+    loose = neighbours * np.sqrt(count) < scipy.stats.norm.isf(_LEVEL)
+    return total / noise_sigma**2 / freedom, bool(likely and loose)
+
+
+def _result(
+    time: Float[np.ndarray, " samples"],
+    displacement: Float[np.ndarray, " samples"],
+    window: _Window,
+    *,
+    windows: list[_Window],
+    noise_sigma: float,
+) -> RingDown:
+    """The ring-down of the chosen window, its strongest mode first."""
+    modes = _ranked(window, noise_sigma=noise_sigma)
+    if not window.is_noise:
+        later = windows[len(windows) // 2 :]
+        modes[0] = _widened(modes[0], [_ranked(w, noise_sigma=noise_sigma)[0] for w in later])
+    strongest = modes[0]
+    peak = natural_frequency(time, displacement)
+    return RingDown(
+        frequency=strongest.frequency,
+        frequency_sigma=strongest.frequency_sigma,
+        damping_ratio=strongest.damping_ratio,
+        damping_ratio_sigma=strongest.damping_ratio_sigma,
+        amplitude=strongest.amplitude,
+        fft_frequency=peak.frequency,
+        fft_resolution=peak.resolution,
+        window=(float(time[0]), float(time[-1])),
+        chi_square=window.chi_square,
+        modes=tuple(modes),
+        residuals_are_noise=window.is_noise,
+    )
+
+
+def _ranked(window: _Window, *, noise_sigma: float) -> list[Mode]:
+    """A window's modes with their standard errors, the strongest first."""
+    covariance = _covariance(window.fit, window, noise_sigma=noise_sigma)
+    return sorted(_modes(window.fit, covariance), key=lambda mode: -mode.amplitude)
+
+
+def _widened(mode: Mode, others: list[Mode]) -> Mode:
+    """A mode whose standard errors reach as far as it wanders in the later windows."""
+    same = [o for o in others if abs(o.frequency / mode.frequency - 1) < _SAME]
+    frequency = max((abs(o.frequency - mode.frequency) for o in same), default=0.0)
+    ratio = max((abs(o.damping_ratio - mode.damping_ratio) for o in same), default=0.0)
+    return mode._replace(
+        frequency_sigma=float(np.hypot(mode.frequency_sigma, frequency)),
+        damping_ratio_sigma=float(np.hypot(mode.damping_ratio_sigma, ratio)),
+    )
+
+
+def _covariance(
+    fit: Decay, window: _Window, *, noise_sigma: float
+) -> Float[np.ndarray, "parameters parameters"]:
+    """Covariance of all parameters, widened where the residuals are more than noise.
+
+    Noise has a known size. Anything else is scaled to the residuals, and to the larger of
+    white and correlated (`long_run.sandwich`) for each parameter.
+    """
+    # Residuals smaller than the noise are luck, and no reason for a smaller error.
+    scale = noise_sigma**2 * max(1.0, window.chi_square)
+    white = scale * np.linalg.inv(fit.jacobian.T @ fit.jacobian)
+    if window.is_noise:
+        return white
+    correlated = sandwich(fit.jacobian, fit.residuals).covariance
+    growth = np.sqrt(np.maximum(1.0, np.diag(correlated) / np.diag(white)))
+    return white * np.outer(growth, growth)
+
+
+def _modes(fit: Decay, covariance: Float[np.ndarray, "parameters parameters"]) -> list[Mode]:
+    r"""Natural frequency $\sqrt{\omega^2 + \sigma^2}$ and ratio $\sigma / \omega_n$."""
+    modes, count = [], len(fit.rate)
+    for i, (omega, rate) in enumerate(zip(fit.angular_frequency, fit.rate, strict=True)):
+        natural = np.hypot(omega, rate)
+        by_frequency = np.array([omega, rate]) / natural / (2 * np.pi)
+        by_ratio = np.array([-rate * omega, omega**2]) / natural**3
+        block = covariance[np.ix_([i, count + i], [i, count + i])]
+        modes.append(
+            Mode(
+                frequency=float(natural / (2 * np.pi)),
+                frequency_sigma=float(np.sqrt(by_frequency @ block @ by_frequency)),
+                # Nothing in a passive robot feeds a vibration: a ratio below 0 is noise.
+                damping_ratio=max(0.0, float(rate / natural)),
+                damping_ratio_sigma=float(np.sqrt(by_ratio @ block @ by_ratio)),
+                amplitude=float(fit.amplitude[i]),
+            )
+        )
+    return modes

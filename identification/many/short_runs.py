@@ -1,0 +1,395 @@
+r"""Four-parameter fits of very many short runs in one batch, on the linear engine.
+
+Friction force $4T\mu$, drive inertia and damping, and effective pretension, of one run near
+one height each. All runs of a batch have one grid; every run is a lane of its own, and a lane
+that fails is a row with its reason, never a lost batch.
+
+A start is put right in three stages: the momentum of the whole robot tells the drives and
+the friction force, whatever the loop does inside of it; a scan over the pretension then finds
+the valley of the vibration's phase; and all channels together end in it. Lanes that aren't
+there yet go on among themselves.
+"""
+
+import dataclasses
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from scdpr_jax.engines.linear_stepping import simulate_linear
+from scdpr_jax.numerics.batches import in_chunks
+from scdpr_jax.robot.drive import motor_torque
+from scdpr_jax.robot.dynamics import rest
+from scdpr_jax.robot.fields import real, si
+from scdpr_jax.robot.parameters import Robot, replace, value
+
+NAMES = ("friction_coefficient", "drive_inertia", "drive_damping", "effective_pretension")
+"""What is fitted, in the order of the results."""
+
+LANES = 64
+"""Fits side by side."""
+
+PRETENSIONS = tuple(float(factor) for factor in np.geomspace(0.36, 2.8, 36))
+"""Multiples of the start's pretension that are scanned [1]: 6 % apart."""
+
+CONVERGED = 1e-3
+"""Decrease of the sum of squares that a step still promises, below which a lane is done [1]."""
+
+DIVERGED = 2.0
+"""Mean squared residual over which a lane that came to rest isn't at its minimum [1]."""
+
+
+class ShortRuns(eqx.Module):
+    """Runs on one even grid, stacked along a leading axis."""
+
+    start: Float[Array, "... 3"] = eqx.field(converter=real, metadata=si("m"))
+    """Lower carriage, upper carriage and height at rest [m]."""
+    voltage: Float[Array, "... intervals 2"] = eqx.field(converter=real, metadata=si("V"))
+    """Commands [V]."""
+    knock: Float[Array, "... intervals"] = eqx.field(converter=real, metadata=si("N"))
+    """Horizontal force on the end-effector [N]."""
+    measured: Float[Array, "... rows 6"] = eqx.field(converter=real, metadata=si("rad, m"))
+    r"""$[\\alpha_1, \\alpha_2, x_e, \\delta_e, q_3, q_4]$ at the ends of the intervals."""
+    weight: Float[Array, "... rows 6"] = eqx.field(converter=real, metadata=si("1/rad, 1/m"))
+    """Inverse standard deviations; 0 where nothing was measured."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class ManyEstimates:
+    """Fits of many runs, one a row."""
+
+    values: Float[np.ndarray, "runs 4"]
+    """Fitted values in the order of `NAMES` [1, kg m², N m s, N]."""
+    sigma: Float[np.ndarray, "runs 4"]
+    """Standard errors by the noise alone."""
+    chi_square: Float[np.ndarray, " runs"]
+    """Mean squared residual [1]."""
+    iterations: np.ndarray
+    """Steps of the last stage."""
+    failure: tuple[str, ...]
+    """Why a row isn't to be used; empty where it is."""
+
+    @property
+    def converged(self) -> np.ndarray:
+        """Which rows may be used."""
+        return np.array([not reason for reason in self.failure])
+
+
+class _Lane(NamedTuple):
+    """Where a fit stands."""
+
+    point: Float[Array, "4"]
+    cost: Float[Array, ""]
+    promised: Float[Array, ""]
+    information: Float[Array, "4 4"]
+
+
+def estimate_many(
+    robot: Robot,
+    runs: ShortRuns,
+    starts: Float[np.ndarray, "runs 4"],
+    *,
+    interval: float,
+    rounds: int = 6,
+) -> ManyEstimates:
+    """Fit every run by itself, all of them in one batch.
+
+    Args:
+        robot: What isn't fitted; its drives' dry friction is held.
+        runs: The runs, of a rank more than one of them.
+        starts: Where each search begins, in the order of `NAMES`; twice too large or too
+            small is near enough.
+        interval: Length of the grid's intervals [s].
+        rounds: Most rounds of `STEPS` steps of the last stage.
+
+    Returns:
+        The fits.
+
+    Raises:
+        ValueError: If a start isn't positive.
+    """
+    starts = np.asarray(starts, dtype=float)
+    if not np.all(starts > 0):
+        raise ValueError(
+            f"`starts` must be positive, got {float(starts.min())} at the least: the fit holds "
+            f"the logarithms of {', '.join(NAMES)}."
+        )
+    count = len(starts)
+    alike = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count, *leaf.shape)), robot)
+    given = (alike, np.full(count, interval), runs)
+    rubbing = bool(np.any(robot.drive.frictions != 0))
+
+    begun = in_chunks(_balanced, (*given, _encoded(starts)), size=LANES)
+    points = in_chunks(_stage(_scanned, rubbing), (*given, begun), size=LANES)
+    lanes, steps = _followed_together(_stage(_followed, rubbing), given, points, rounds=rounds)
+    return _judged(lanes, np.sum(np.asarray(runs.weight) > 0, axis=(1, 2)), steps)
+
+
+@functools.cache
+def _stage(stage: Callable[..., Any], rubbing_drives: bool) -> Callable[..., Any]:
+    """A stage of a fit; the same one each time, as it is compiled for what it is."""
+    return functools.partial(stage, rubbing_drives=rubbing_drives)
+
+
+def _followed_together(
+    followed: Callable[..., _Lane],
+    given: tuple[Robot, np.ndarray, ShortRuns],
+    points: np.ndarray,
+    *,
+    rounds: int,
+) -> tuple[_Lane, np.ndarray]:
+    """Lanes that are followed until they promise nothing, and the steps that each took."""
+    count = len(points)
+    steps, left, lanes = np.zeros(count, dtype=int), np.arange(count), None
+    while left.size and steps.max() < rounds * STEPS:
+        chosen = jax.tree.map(lambda leaf, left=left: np.asarray(leaf)[left], given)
+        at = points if lanes is None else lanes.point
+        found = in_chunks(followed, (*chosen, at[left]), size=LANES)
+        if lanes is None:
+            lanes = _Lane(*map(np.array, found))
+        for whole, part in zip(lanes, found, strict=True):
+            whole[left] = part
+        steps[left] += STEPS
+        going_on = np.isfinite(lanes.cost) & (lanes.promised > CONVERGED)
+        left = np.flatnonzero(going_on)
+    return lanes, steps
+
+
+STEPS = 4
+"""Steps of the last stage in a round."""
+
+
+def _encoded(values: Float[np.ndarray, "runs 4"]) -> Float[np.ndarray, "runs 4"]:
+    """Logarithms of friction force, inertia, damping and pretension."""
+    force = 4 * values[:, 3] * values[:, 0]
+    return np.log(np.stack([force, values[:, 1], values[:, 2], values[:, 3]], axis=1))
+
+
+ENCODERS = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+"""Which channels are the encoders'."""
+
+STANDING = 4.0
+"""Travel of the lower carriage in an interval over its encoders' noise, up to which it may
+stand [1]."""
+
+
+LARGEST_SHARE = 5.0
+"""Most that the momentum may change a start by, either way [1]: where friction is a small part
+of it, what is left of it is taken from the start."""
+
+
+def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
+    r"""The start with friction force, inertia and damping by the whole robot's momentum.
+
+    The loop's forces are internal, so that from rest, twice integrated,
+
+    $$ m_e \Delta x_e + m_3 \Delta q_3 + m_4 \Delta q_4
+       - \iint \big((\tau_1 + \tau_2)/r + F_k\big)
+       = -\tfrac{2J}{r^2} \Delta q_3 - \tfrac{2b}{r^2} \int \Delta q_3
+         - F \iint (\mathrm{sgn}\,\dot q_3 + \mathrm{sgn}\,\dot q_4) $$
+
+    linear in J, b and F; the drives' known dry friction is taken off their torques. The upper
+    carriage is taken to slide as the lower one does, up to where that one stands again: the
+    friction that holds it isn't known.
+    """
+    robot, interval, run, start = given
+    radius = value(robot, "effective_radius")
+    weight, measured = run.weight, run.measured - run.measured[:1]
+    lower = radius / 2 * (measured[:, 0] + measured[:, 1])
+    noise = radius / jnp.sqrt(jnp.sum(jnp.square(weight[0, :2])))
+    travel = jnp.diff(lower)
+    slides = jnp.abs(travel) > STANDING * noise
+    turns = jnp.diff(measured[:, :2], axis=0)
+    turning = jnp.abs(turns) * weight[:1, :2] > STANDING
+    begun = jnp.cumsum(slides) > 0
+    stood = jnp.cumsum(begun & ~slides) > 0
+
+    def integral(held: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+        return interval * jnp.concatenate([jnp.zeros_like(held[:1]), jnp.cumsum(held)])
+
+    def twice(held: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+        speed = integral(held)
+        return integral((speed[1:] + speed[:-1]) / 2)
+
+    rubbed = robot.drive.frictions[None, :] * jnp.where(turning, jnp.sign(turns), 0.0)
+    torque = jnp.sum(motor_torque(robot.drive, run.voltage) - rubbed, axis=1)
+    masses = (
+        value(robot, f"{name}_mass")
+        for name in ("end_effector", "lower_carriage", "upper_carriage")
+    )
+    moved = (measured[:, 2], lower, measured[:, 5])
+    left = sum(m * by for m, by in zip(masses, moved, strict=True))
+    right = left - twice(torque / radius + run.knock)
+    columns = jnp.stack(
+        [
+            -2 * twice(jnp.where(slides, jnp.sign(travel), 0.0)),
+            -2 / jnp.square(radius) * lower,
+            -2 / jnp.square(radius) * integral((lower[1:] + lower[:-1]) / 2),
+        ],
+        axis=1,
+    )
+    used = (weight[:, 2] > 0) & (weight[:, 5] > 0) & ~jnp.concatenate([stood[:1], stood])
+    scale = jnp.exp(start[:3])
+    system = jnp.where(used[:, None], columns * scale[None, :], 0.0)
+    normal = system.T @ system
+    # Where too little is seen, a billionth leads to the start itself.
+    regular = 1e-9 * jnp.trace(normal) + jnp.finfo(normal.dtype).tiny
+    rest = system.T @ (jnp.where(used, right, 0.0) - system @ jnp.ones_like(scale))
+    share = 1 + jnp.linalg.solve(normal + regular * jnp.eye(3, dtype=normal.dtype), rest)
+    return start.at[:3].add(jnp.log(jnp.clip(share, 1 / LARGEST_SHARE, LARGEST_SHARE)))
+
+
+def _scanned(
+    given: tuple[Robot, Array, ShortRuns, Array], *, rubbing_drives: bool
+) -> Float[Array, "4"]:
+    """The point with the pretension about it that fits best."""
+    robot, interval, run, start = given
+
+    def misfit(factor: Float[Array, ""]) -> Float[Array, ""]:
+        point = start.at[3].add(jnp.log(factor))
+        left = _residuals(robot, interval, point, run, rubbing_drives=rubbing_drives)
+        found = jnp.sum(jnp.square(left))
+        return jnp.where(jnp.isfinite(found), found, jnp.inf)
+
+    tried = jnp.asarray(PRETENSIONS, dtype=start.dtype)
+    # One after the other: the lanes fill the processor as it is.
+    best = tried[jnp.argmin(jax.lax.map(misfit, tried))]
+    return start.at[3].add(jnp.log(best))
+
+
+def _followed(given: tuple[Robot, Array, ShortRuns, Array], *, rubbing_drives: bool) -> _Lane:
+    """`STEPS` steps by Levenberg and Marquardt."""
+    robot, interval, run, start = given
+
+    def normal(point: Float[Array, "4"]) -> tuple[Array, Array, Array]:
+        def both(x: Float[Array, "4"]) -> tuple[Array, Array]:
+            found = _residuals(robot, interval, x, run, rubbing_drives=rubbing_drives)
+            return found, found
+
+        jacobian, found = jax.jacfwd(both, has_aux=True)(point)
+        jacobian = jacobian.reshape(-1, 4)
+        cost = jnp.sum(jnp.square(found))
+        good = jnp.isfinite(cost) & jnp.all(jnp.isfinite(jacobian))
+        cost = jnp.where(good, cost, jnp.inf)
+        return cost, jacobian.T @ found.ravel(), jacobian.T @ jacobian
+
+    def step(best: tuple, _: None) -> tuple[tuple, None]:
+        point, damping, (cost, gradient, matrix) = best
+        moved = _damped(gradient, matrix, damping)
+        candidate = point - jnp.clip(moved, -LARGEST, LARGEST)
+        tried = normal(candidate)
+        better = tried[0] < cost
+        kept = jax.tree.map(
+            lambda new, old: jnp.where(better, new, old),
+            (candidate, tried),
+            (point, best[2]),
+        )
+        damping = jnp.where(better, damping / 10, damping * 10)
+        return (kept[0], damping, kept[1]), None
+
+    # Of the start, so that it belongs to the start's device as the rest of the lane does.
+    nothing = 0 * start
+    # The first step goes nowhere and finds out where it stands.
+    unknown = (nothing[0] + jnp.inf, nothing, jnp.outer(nothing, nothing))
+    begun = (start, nothing[0] + 1e-2, unknown)
+    (point, _, (cost, gradient, matrix)), _ = jax.lax.scan(step, begun, length=STEPS + 1)
+    promised = gradient @ _damped(gradient, matrix, nothing[0])
+    return _Lane(point, cost, promised, matrix)
+
+
+LARGEST = 1.0
+"""Largest change of a logarithm in a step [1]: a factor of e."""
+
+
+def _damped(
+    gradient: Float[Array, "4"], matrix: Float[Array, "4 4"], damping: Float[Array, ""]
+) -> Float[Array, "4"]:
+    """The damped step; an unknown that nothing depends on stays."""
+    diagonal = jnp.diag(matrix)
+    seen = diagonal > 0
+    scale = jnp.where(seen, jax.lax.rsqrt(jnp.where(seen, diagonal, 1.0)), 0.0)
+    unit = matrix * scale[:, None] * scale[None, :]
+    unit = jnp.where(jnp.isfinite(unit), unit, 0.0) + jnp.diag(jnp.where(seen, 0.0, 1.0))
+    # A billionth keeps what can't be told apart from breaking the solution.
+    regular = unit + (damping + 1e-9) * jnp.eye(4, dtype=unit.dtype)
+    right = jnp.where(jnp.isfinite(gradient), gradient * scale, 0.0)
+    return scale * jnp.linalg.solve(regular, right)
+
+
+def _judged(lanes: _Lane, count: np.ndarray, steps: np.ndarray) -> ManyEstimates:
+    """The rows, with the reasons of those that failed."""
+    force, inertia, damping, pretension = np.exp(lanes.point).T
+    values = np.stack([force / (4 * pretension), inertia, damping, pretension], axis=1)
+    chi_square = lanes.cost / np.maximum(count, 1)
+    # The friction coefficient is the force over the pretension.
+    turn = np.eye(4)
+    turn[0, 3] = -1.0
+    sigma = np.full(values.shape, np.inf)
+    failure = []
+    for row, matrix in enumerate(lanes.information):
+        untold = [name for name, own in zip(NAMES, np.diag(matrix), strict=True) if not own > 0]
+        if not np.isfinite(lanes.cost[row]):
+            failure.append("the simulation isn't finite at any point that was tried")
+        elif untold:
+            failure.append(f"nothing that was measured depends on {', '.join(untold)}")
+        else:
+            spread = turn @ np.linalg.pinv(matrix, hermitian=True) @ turn.T
+            sigma[row] = values[row] * np.sqrt(np.diag(spread))
+            failure.append(_unfinished(lanes, row, chi_square[row]))
+    return ManyEstimates(values, sigma, chi_square, steps, tuple(failure))
+
+
+def _unfinished(lanes: _Lane, row: int, chi_square: float) -> str:
+    """Why a finite fit isn't to be used; nothing if it is."""
+    if lanes.promised[row] > max(CONVERGED, 1e-6 * lanes.cost[row]):
+        return f"used up its steps: {lanes.promised[row]:.3g} more of its misfit is promised"
+    if chi_square > DIVERGED:
+        return f"came to rest {chi_square:.3g} times as far from the logs as their noise is"
+    return ""
+
+
+def _residuals(
+    robot: Robot,
+    interval: Float[Array, ""],
+    point: Float[Array, "4"],
+    run: ShortRuns,
+    *,
+    rubbing_drives: bool,
+) -> Float[Array, "rows 6"]:
+    """Measured minus simulated over the noise, the encoders' zero taken out."""
+    force, inertia, damping, pretension = jnp.exp(point)
+    fitted = replace(
+        robot,
+        {
+            "friction_coefficient": force / (4 * pretension),
+            "drive_inertia": inertia,
+            "drive_damping": damping,
+            "effective_pretension": pretension,
+        },
+    )
+    states = simulate_linear(
+        fitted,
+        rest(fitted, *run.start),
+        height=run.start[2],
+        interval=interval,
+        voltage=run.voltage,
+        knock=run.knock,
+        rubbing_drives=rubbing_drives,
+    )
+    x, tilt, lower, upper, height = states.position.T
+    radius = value(robot, "effective_radius")
+    along, across = lower - lower[0], height - height[0]
+    simulated = jnp.stack(
+        [(along + across) / radius, (along - across) / radius, x, tilt, lower, upper], axis=1
+    )
+    difference = run.measured - simulated
+    # The encoders' zero is arbitrary; the camera's isn't.
+    square = jnp.square(run.weight)
+    total = jnp.sum(square, axis=0)
+    zero = jnp.sum(square * difference, axis=0) / jnp.where(total > 0, total, 1.0)
+    return run.weight * (difference - (ENCODERS * zero)[None, :])

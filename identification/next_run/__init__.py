@@ -1,0 +1,1 @@
+"""The run that would tell the most."""

@@ -1,0 +1,368 @@
+"""Which experiment next: the run that sharpens what is known the most per second.
+
+Every excitation of a catalogue is judged by what it is expected to tell; the best of each shape
+are improved by gradient. A search ends at what was lucky for the robots that it searched with,
+so what it found and what it began at are judged anew, side by side, with others.
+"""
+
+import concurrent.futures
+import dataclasses
+from collections.abc import Callable, Iterator, Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jaxtyping import Array, Float, PRNGKeyArray
+
+from identification.next_run.excitation import Excitation, moving
+from identification.next_run.expected_information import (
+    Expected,
+    PlannedRun,
+    Rig,
+    expected,
+    expected_over,
+)
+from scdpr_jax.numerics.side_by_side import CORES
+from scdpr_jax.robot.parameters import value
+
+DRAWS, JUDGES = 4, 32
+"""Robots drawn to compare the catalogue with and for each step of the search, and to judge what
+is left."""
+
+LANES = 8
+"""Excitations that are simulated side by side."""
+
+STARTS = 3
+"""Excitations that the search begins at."""
+
+KNOTS = 16
+"""Knots of what the search adds to each voltage."""
+
+SOFTNESS = 0.01
+"""Excursion beyond a limit that costs as much as a unit of the criterion [m, or m/s]."""
+
+RATE = 0.05
+"""Length of the search's steps, in arctanh of the voltage over its limit [1]."""
+
+Criterion = Callable[[Float[Array, "n n"]], Float[Array, ""]]
+"""What is minimised, of the expected covariance as a fit holds the quantities."""
+
+
+def sharpest(index: int) -> Criterion:
+    """The criterion that minds a single quantity: its standard error's logarithm.
+
+    Args:
+        index: Number of the quantity.
+
+    Returns:
+        The criterion.
+    """
+    return lambda covariance: jnp.log(covariance[index, index]) / 2
+
+
+def d_optimal(covariance: Float[Array, "n n"]) -> Float[Array, ""]:
+    """Mean logarithm of the confidence ellipsoid's axes.
+
+    Args:
+        covariance: Covariance.
+
+    Returns:
+        The criterion [1].
+    """
+    return jnp.linalg.slogdet(covariance)[1] / (2 * covariance.shape[0])
+
+
+def a_optimal(now: Float[np.ndarray, " n"]) -> Criterion:
+    """The criterion of the mean variance, each over what it is now.
+
+    Args:
+        now: Standard errors now.
+
+    Returns:
+        The criterion: half of its logarithm.
+    """
+
+    def criterion(covariance: Float[Array, "n n"]) -> Float[Array, ""]:
+        return jnp.log(jnp.mean(jnp.diag(covariance) / jnp.square(jnp.asarray(now)))) / 2
+
+    return criterion
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Candidate:
+    """An excitation and what it is worth."""
+
+    excitation: Excitation
+    """The excitation."""
+    sigma: Float[np.ndarray, " n"]
+    """Expected standard errors of the quantities with it, as a fit holds them."""
+    gain: float
+    """Fall of the criterion, a logarithm of standard errors [1]."""
+
+    @property
+    def rate(self) -> float:
+        """Fall of the criterion per second of rig time [1/s]."""
+        return self.gain / self.excitation.duration
+
+
+def propose(
+    rig: Rig,
+    excitations: Sequence[Excitation],
+    criterion: Criterion,
+    *,
+    key: PRNGKeyArray,
+    iterations: int = 40,
+    progress: Callable[[str, float], None] = lambda doing, share: None,
+) -> tuple[Candidate, ...]:
+    """The best excitation of each shape, and what a search by gradient makes of them.
+
+    Reference: K. Chaloner, I. Verdinelli, "Bayesian experimental design: a review",
+    Statistical Science 10(3), 1995, doi:10.1214/ss/1177009939.
+
+    Args:
+        rig: What is known of the rig.
+        excitations: The catalogue.
+        criterion: `d_optimal`, `a_optimal(now)` or `sharpest(index)`.
+        key: Of the robots that are drawn.
+        iterations: Steps of the search; 0 for the catalogue alone.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        Those that keep within voltage, frame and speed for every robot drawn, the one that
+        makes the criterion fall most per second first.
+
+    Raises:
+        ValueError: If no excitation of the catalogue keeps within frame and speed.
+    """
+    comparing, searching, judging = jax.random.split(key, 3)
+    intervals = max(one.voltage.shape[0] for one in excitations)
+    found = judged(
+        rig,
+        excitations,
+        criterion,
+        truths=rig.draws(comparing, DRAWS),
+        intervals=intervals,
+        progress=lambda share: progress("the catalogue", share / 2),
+    )
+    best: dict[str, Candidate] = {}
+    for one in sorted(found, key=lambda one: -one.rate):
+        best.setdefault(one.excitation.shape, one)
+    if not best:
+        raise ValueError(
+            f"no excitation keeps clear of the frame and below {float(rig.top_speed):g} m/s, "
+            f"got {len(excitations)} to choose from. Allow for a higher speed, or start "
+            "elsewhere."
+        )
+    chosen = [one.excitation for one in best.values()]
+    starts = [one for one in chosen if one.knock == 0][:STARTS]
+    if starts and iterations:
+        chosen += improved(
+            rig,
+            starts,
+            criterion,
+            key=searching,
+            iterations=iterations,
+            intervals=intervals,
+            progress=lambda share: progress("improved by gradient", 0.5 + 0.4 * share),
+        )
+    progress("judged anew", 0.9)
+    truths = rig.draws(judging, JUDGES)
+    final = judged(rig, chosen, criterion, truths=truths, intervals=intervals)
+    return tuple(sorted(final, key=lambda one: -one.rate))
+
+
+def judged(
+    rig: Rig,
+    excitations: Sequence[Excitation],
+    criterion: Criterion,
+    *,
+    truths: Float[Array, "draws n"],
+    intervals: int,
+    progress: Callable[[float], None] = lambda share: None,
+) -> list[Candidate]:
+    """What excitations are worth, without those that break a limit.
+
+    Args:
+        rig: What is known of the rig.
+        excitations: The excitations.
+        criterion: What is minimised.
+        truths: Robots that may be the true one, as a fit holds their quantities.
+        intervals: What runs are padded to.
+        progress: Told which share is done.
+
+    Returns:
+        A candidate for each that keeps within frame and speed for every one of them.
+    """
+    before = float(criterion(rig.root @ rig.root.T))
+    told = _told(rig, excitations, truths, intervals, progress)
+    found = []
+    for one, units, beyond in zip(excitations, *told, strict=True):
+        if not np.any(beyond > 0.0):
+            covariance = rig.covariance(jnp.asarray(units))
+            sigma = np.sqrt(np.diag(np.asarray(covariance)))
+            found.append(Candidate(one, sigma, before - float(criterion(covariance))))
+    return found
+
+
+def _told(
+    rig: Rig,
+    excitations: Sequence[Excitation],
+    truths: Float[Array, "draws n"],
+    intervals: int,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Expected:
+    """What excitations tell on average over the truths, and how far they go beyond limits."""
+    chunks = [
+        (excitations[first : first + LANES], truths[drawn : drawn + DRAWS])
+        for first in range(0, len(excitations), LANES)
+        for drawn in range(0, len(truths), DRAWS)
+    ]
+
+    def tell(chunk: tuple[Sequence[Excitation], Float[Array, "draws n"]]) -> Expected:
+        # Chunks of one size: one compilation.
+        filled = [*chunk[0], *chunk[0][:1] * (LANES - len(chunk[0]))]
+        found = _over_all(rig, stacked(filled, intervals), chunk[1])
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[: len(chunk[0])], found)
+
+    def all_told() -> Iterator[Expected]:
+        # Threads that find nothing compiled would all compile it.
+        yield tell(chunks[0])
+        with concurrent.futures.ThreadPoolExecutor(CORES) as threads:
+            yield from threads.map(tell, chunks[1:])
+
+    parts: list[Expected] = []
+    for one in all_told():
+        parts.append(one)
+        progress(len(parts) / len(chunks))
+    every = len(truths) // DRAWS
+    rows = [parts[first : first + every] for first in range(0, len(parts), every)]
+    return Expected(
+        np.concatenate([np.mean([part.units for part in row], axis=0) for row in rows]),
+        np.concatenate([np.max([part.beyond for part in row], axis=0) for row in rows]),
+    )
+
+
+@eqx.filter_jit
+def _over_all(rig: Rig, runs: PlannedRun, truths: Float[Array, "draws n"]) -> Expected:
+    def one(run: PlannedRun) -> Expected:
+        found = jax.vmap(expected, in_axes=(None, None, 0))(rig, run, truths)
+        return Expected(jnp.mean(found.units, axis=0), jnp.max(found.beyond))
+
+    return jax.vmap(one)(runs)
+
+
+def stacked(excitations: Sequence[Excitation], intervals: int) -> PlannedRun:
+    """Excitations as arrays of one size.
+
+    Args:
+        excitations: The excitations.
+        intervals: Intervals to pad to.
+
+    Returns:
+        Their runs along a leading axis.
+    """
+    each = [
+        PlannedRun(
+            voltage=np.pad(one.voltage, [(0, intervals - one.voltage.shape[0]), (0, 0)]),
+            start=np.array(one.start),
+            knock=one.knock,
+            length=float(one.voltage.shape[0]),
+        )
+        for one in excitations
+    ]
+    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
+
+
+def improved(
+    rig: Rig,
+    starts: Sequence[Excitation],
+    criterion: Criterion,
+    *,
+    key: PRNGKeyArray,
+    iterations: int,
+    intervals: int,
+    progress: Callable[[float], None] = lambda share: None,
+) -> list[Excitation]:
+    """What Adam's steps make of some excitations, on other robots at every step.
+
+    Args:
+        rig: What is known of the rig.
+        starts: Where to begin, without knocks.
+        criterion: What is minimised.
+        key: Of the robots that are drawn.
+        iterations: How many steps.
+        intervals: What runs are padded to.
+        progress: Told which share is done.
+
+    Returns:
+        The best of each start on the way, as far as the search could tell.
+    """
+    runs = stacked(starts, intervals)
+    # The secants go over what the starts leave uncertain.
+    left = _told(rig, starts, rig.draws(key, DRAWS), intervals).units
+    over = jnp.asarray(np.linalg.cholesky(left))
+    limit = float(value(rig.robot, "voltage_limit"))
+    base = jnp.arctanh(0.98 * jnp.clip(runs.voltage / limit, -1.0, 1.0))
+    spread = jnp.stack([jnp.asarray(_hats(int(n), base.shape[1])) for n in runs.length])
+    knots = jnp.zeros((len(starts), KNOTS, 2))
+    optimiser = optax.adam(RATE)
+    state = optimiser.init(knots)
+    least, best = np.full(len(starts), np.inf), list(starts)
+    for number in range(iterations):
+        progress(number / iterations)
+        truths = rig.draws(jax.random.fold_in(key, number), DRAWS)
+        given = (runs, base, spread, over)
+        slope, cost, voltage = _sloped(rig, criterion, knots, given, truths)
+        for lane, one in enumerate(starts):
+            if float(cost[lane]) < least[lane]:
+                least[lane] = float(cost[lane])
+                best[lane] = one.replaced(np.asarray(voltage[lane, : one.voltage.shape[0]]))
+        slope = jnp.where(jnp.isfinite(slope), slope, 0.0)
+        # optax raises a float to the power of an integer count.
+        with jax.numpy_dtype_promotion("standard"):
+            change, state = optimiser.update(slope, state)
+        knots = optax.apply_updates(knots, change)
+    return best
+
+
+@eqx.filter_jit
+def _sloped(
+    rig: Rig,
+    criterion: Criterion,
+    knots: Float[Array, "lanes knots 2"],
+    given: tuple[PlannedRun, Array, Array, Array],
+    truths: Float[Array, "draws n"],
+) -> tuple[
+    Float[Array, "lanes knots 2"], Float[Array, " lanes"], Float[Array, "lanes intervals 2"]
+]:
+    """Slope of the penalised criterion over the knots, it itself, and the voltages."""
+    limit = rig.robot.drive.voltage_limit
+
+    def cost(own: Array, run: PlannedRun, base: Array, spread: Array, over: Array) -> tuple:
+        moves = jnp.any(spread > 0, axis=1)[:, None]
+        voltage = limit * jnp.where(moves, jnp.tanh(base + spread @ own), 0.0)
+        planned = eqx.tree_at(lambda r: r.voltage, run, voltage)
+        told = jax.vmap(expected_over, in_axes=(None, None, 0, None))(
+            rig, planned, truths, over
+        )
+        mean = rig.covariance(jnp.mean(told.units, axis=0))
+        total = criterion(mean) + jnp.max(told.beyond) / SOFTNESS
+        return total, (total, voltage)
+
+    def one(lane: tuple) -> tuple:
+        slope, (total, voltage) = jax.grad(cost, has_aux=True)(*lane)
+        return slope, total, voltage
+
+    # One after the other: what reverse mode keeps of a lane fills the memory as it is.
+    return jax.lax.map(one, (knots, *given))
+
+
+def _hats(length: int, intervals: int) -> Float[np.ndarray, "intervals knots"]:
+    """Linear interpolation between knots over the time in which a run may move."""
+    at = np.flatnonzero(moving(length))
+    place = np.linspace(0, KNOTS - 1, at.size)
+    spread = np.zeros((intervals, KNOTS))
+    spread[at] = np.maximum(1 - np.abs(place[:, None] - np.arange(KNOTS)[None]), 0.0)
+    return spread

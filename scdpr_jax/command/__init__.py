@@ -1,0 +1,1 @@
+"""What moves the robot and what sees it: trajectories, shapers, controllers, sensors."""

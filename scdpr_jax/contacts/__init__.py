@@ -1,0 +1,1 @@
+"""Exact stick-slip inside a step: one contact, and three on two coordinates."""

@@ -1,0 +1,1 @@
+"""The robot: its parameters, geometry, cable, friction, drives and equations of motion."""

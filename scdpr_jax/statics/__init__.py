@@ -1,0 +1,1 @@
+"""Static workspaces: the single loop's, Eq. (1), and the four-cable robot's."""

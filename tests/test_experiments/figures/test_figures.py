@@ -1,0 +1,211 @@
+"""The figures' numbers; what they look like is for people to judge."""
+
+import dataclasses
+import math
+
+import jax.numpy as jnp
+import matplotlib
+import numpy as np
+import pytest
+from report_samples import (
+    CAMERA_SIGMA,
+    DAMPING,
+    FREQUENCY,
+    TRUTH,
+    campaign,
+    comparison,
+    estimate,
+    estimated_parameters,
+    frequencies,
+    parameter,
+    tracking_run,
+)
+
+from experiments.figures.identification.correlation import correlation
+from experiments.figures.identification.fit_overview import fit_overview, misfits
+from experiments.figures.identification.frequency_map import frequency_over_height, model_curve
+from experiments.figures.identification.intervals import intervals, relative_intervals
+from experiments.figures.identification.residuals import residuals_in_sigma
+from experiments.figures.identification.ring_down import decay_of, fitted_decay
+from experiments.figures.identification.run_comparison import run_comparison
+from experiments.figures.robot_view import cable_loop, shown_instants
+from experiments.figures.tuning.bode import open_loop
+from experiments.figures.tuning.shaper_response import NamedShaper, residual_curve
+from experiments.figures.tuning.tracking import tracking_numbers
+from experiments.page.coordinates import COORDINATES
+from scdpr_jax.command.controller import PD
+from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.linear.modes import BOTH_HELD, natural_frequencies
+from scdpr_jax.robot.prototype import consistent
+from tuning.loop.margins import sampled_margins
+from tuning.loop.plant import published_plant
+
+
+def texts(figure):
+    return [text.get_text() for text in figure.findobj(matplotlib.text.Text)]
+
+
+def test_what_may_be_zero_is_held_against_its_usual_size():
+    (bar,) = relative_intervals([parameter("drive_friction", 3e-6, 2e-6, unit="N m")])
+    # A tenth of 0.05 N m, and twice the standard error.
+    assert bar.half_width == pytest.approx(4e-6 / 5e-3, rel=1e-12)
+
+
+def test_residuals_are_in_units_of_the_noise():
+    run = comparison("a")
+    moved = dataclasses.replace(run, measured=run.simulated + 3 * CAMERA_SIGMA)
+    time, values = residuals_in_sigma(moved)["q_3"]
+    assert np.array_equal(time, run.frame_time)
+    # A difference of metres: a few roundings of 1 m over 0.2 mm.
+    assert np.allclose(values, 3.0, atol=1e-10)
+
+
+def test_lost_frames_have_no_residual():
+    run = comparison("a")
+    measured = run.measured.copy()
+    measured[10:20] = np.nan
+    time, values = residuals_in_sigma(dataclasses.replace(run, measured=measured))["x_e"]
+    assert len(time) == len(values) == run.frame_time.size - 10
+
+
+def test_the_overview_has_each_channel_in_its_own_column():
+    runs = (comparison("a", off=5e-3), comparison("b", camera=False))
+    square, noise = misfits(runs)
+    for channel in runs[0].channels:
+        column = list(COORDINATES).index(channel.name)
+        assert square[0, column] == channel.chi_square
+        assert noise[0, column] == (channel.name != "x_e")
+    assert np.isnan(square[1, :5]).all()
+
+
+def test_cells_beyond_noise_are_bold():
+    figure = fit_overview((comparison("a", off=5e-3),))
+    cells = [t for t in figure.axes[0].texts if t.get_text() != "–"]
+    bold = [text.get_text() for text in cells if text.get_weight() == "bold"]
+    # (5 mm / 0.2 mm)² and the noise itself.
+    assert len(bold) == 1
+    assert float(bold[0]) == pytest.approx(626, rel=0.05)
+
+
+def test_a_relative_interval_is_half_of_the_interval_over_the_value():
+    mu, _, tension = relative_intervals(estimated_parameters(), truth=TRUTH)
+    assert mu.half_width == pytest.approx(2e-5 / 0.013, rel=1e-9)  # differences of ends
+    assert tension.error == pytest.approx(85.0 / 85.5 - 1, rel=1e-12)
+    assert tension.name == "effective pretension at 350 N"
+
+
+def test_an_unidentifiable_parameter_is_drawn_within_the_axes():
+    unknown = parameter("drive_damping", 0.2, math.inf, unit="N m s", status="unidentifiable")
+    figure = intervals([*estimated_parameters(), unknown])
+    for line in figure.axes[0].lines:
+        assert np.isfinite(np.asarray(line.get_xdata(), dtype=float)).all()
+
+
+def test_the_correlations_drawn_are_those_given():
+    matrix = np.array([[1.0, -0.97], [-0.97, 1.0]])
+    shown = [text.get_text() for text in correlation(["a", "b"], matrix).axes[0].texts]
+    assert shown == ["1", "−0.97", "1"]
+
+
+def test_the_model_curve_is_that_of_both_carriages_held():
+    robot = consistent()
+    curve = model_curve(robot)
+    middle = len(curve.height) // 2
+    expected = natural_frequencies(robot, jnp.asarray(curve.height[middle]), BOTH_HELD)
+    # One batch against one at a time: an eigenvalue's few roundings.
+    assert np.allclose(curve.frequency[middle], expected, rtol=1e-12)
+    body = robot.end_effector
+    assert curve.height[0] > float(body.lower_offset)
+    assert curve.height[-1] < float(robot.frame.height - body.upper_offset)
+
+
+def test_settings_without_a_model_are_drawn_all_the_same():
+    figure = frequency_over_height(frequencies(), {})
+    assert "nominal pretension 350 N" in texts(figure)
+
+
+def test_the_drawn_decay_passes_through_the_samples():
+    run = campaign().runs[2]
+    decay = decay_of(run, noise_sigma=CAMERA_SIGMA)
+    assert decay.frequency == pytest.approx(FREQUENCY, abs=4 * decay.frequency_sigma)
+    x = run.camera.position[:, 0]
+    fitted = fitted_decay(run.camera.time, x, decay)
+    inside = run.camera.time >= decay.window[0]
+    at = np.interp(run.camera.time[inside], fitted.time, fitted.displacement)
+    rms = np.sqrt(np.mean((x[inside] - at) ** 2))
+    # Noise, and a tenth for the luck of some hundred draws.
+    assert rms <= 1.1 * CAMERA_SIGMA
+    assert decay.damping_ratio == pytest.approx(DAMPING, abs=4 * decay.damping_ratio_sigma)
+
+
+def test_cables_are_as_long_as_the_model_has_them():
+    robot = consistent()
+    x, tilt, lower, upper, y = position = np.array([0.8, 0.05, 0.9, 0.7, 0.5])
+    a, b = (float(getattr(robot.end_effector, f"{s}_offset")) for s in ("lower", "upper"))
+    height = float(robot.frame.height)
+    expected = {
+        "alpha": np.hypot(lower - x - a * np.sin(tilt), y - a * np.cos(tilt)),
+        "beta": np.hypot(x - upper - b * np.sin(tilt), height - y - b * np.cos(tilt)),
+        "gamma": np.hypot(lower - upper, height),
+    }
+    paths = cable_loop(robot, position)
+    for name, length in expected.items():
+        drawn = [np.linalg.norm(np.diff(line, axis=0)) for line in paths[name]]
+        assert len(drawn) == 2
+        # The two sides of a tilted body differ; their mean is the model's length to the
+        # second order of the tilt and of the pulleys' half gap over the length.
+        assert np.mean(drawn) == pytest.approx(length, rel=2 * tilt**2)
+
+
+def test_four_instants_lie_inside_a_run():
+    instants = shown_instants(np.array([1.0, 2.0, 3.0]))
+    assert len(instants) == 4
+    assert all(1.0 <= instant <= 3.0 for instant in instants)
+
+
+def test_the_open_loop_crosses_where_the_margins_say():
+    controller = PD(36.0, 0.7, 1e-3)
+    margins = sampled_margins(published_plant(), controller)
+    crossover = float(margins.gain_crossover)
+    loop = open_loop(published_plant(), controller, delay=1, crossover=crossover)
+    gain = np.interp(crossover, loop.angular_frequency, loop.gain)
+    phase = np.interp(crossover, loop.angular_frequency, loop.phase)
+    # Interpolated between 400 points over three decades: 2 % of a frequency apart.
+    assert gain == pytest.approx(0.0, abs=0.02)
+    assert phase == pytest.approx(-180 + math.degrees(float(margins.phase_margin)), abs=0.1)
+    assert np.all(np.abs(np.diff(loop.phase)) < 180)
+
+
+def test_a_zv_shaper_leaves_nothing_at_its_frequency_and_all_at_twice_it():
+    shaper = NamedShaper("ZV", Shaper([0.0, 0.25], [0.5, 0.5]), 0.0, (1.9, 2.1))
+    left = residual_curve(shaper, np.array([2.0, 4.0]))
+    # cos(pi/2) and one, in double precision.
+    assert np.allclose(left, [0.0, 1.0], atol=1e-12)
+
+
+def test_tracking_errors_are_distances_and_the_rest_begins_at_the_arrival():
+    numbers = tracking_numbers(tracking_run(swing=0.02))
+    assert numbers.arrival == pytest.approx(1.0, abs=1e-12)
+    assert numbers.error[0] == pytest.approx(0.02, rel=1e-9)  # a difference from 0.3 m
+    # A swing of ±20 mm; three periods sampled thirty times each.
+    assert np.ptp(numbers.rest) == pytest.approx(0.04, rel=0.01)
+
+
+@pytest.mark.parametrize("camera", [True, False])
+def test_every_panel_of_a_run_has_labels_with_units(camera):
+    figure = run_comparison(comparison("a", camera=camera))
+    shown = [axes for axes in figure.axes if axes.axison]
+    assert len(shown) == (8 if camera else 3)
+    assert all("[" in axes.get_ylabel() for axes in shown)
+
+
+def test_a_run_that_was_not_fitted_is_marked():
+    marked = run_comparison(dataclasses.replace(comparison("a"), held_out=True))
+    assert any("NOT FITTED" in text for text in texts(marked))
+    assert not any("NOT FITTED" in text for text in texts(run_comparison(comparison("a"))))
+
+
+def test_drawing_changes_no_setting_of_the_caller():
+    before = dict(matplotlib.rcParams)
+    run_comparison(estimate().comparisons[3])
+    assert dict(matplotlib.rcParams) == before

@@ -1,0 +1,39 @@
+from report_samples import compared_models, estimate
+
+from experiments.reports.model_section import (
+    model_tables,
+    moved_table,
+    told_combinations,
+    verdict_on_models,
+)
+
+
+def test_a_usual_model_that_is_enough_is_not_compared():
+    assert model_tables(estimate()) == ()
+    assert verdict_on_models(estimate()) == ()
+
+
+def test_the_verdict_names_what_the_usual_model_lacks_and_what_that_is_worth():
+    (told,) = verdict_on_models(estimate(models=compared_models()))
+    assert "lacks a tension that rises as the loop's path gets longer" in told
+    assert "2.30 mm rms, the usual one to 7.70 mm" in told
+
+
+def test_the_chosen_model_is_marked_and_the_others_are_held_against_it():
+    (table,) = model_tables(estimate(models=compared_models()))
+    assert [row[0].endswith("chosen") for row in table.rows] == [False, True]
+    assert [row[3] for row in table.rows] == ["+190", "+0"]
+
+
+def test_every_sensor_of_a_run_that_anything_moves_has_a_row():
+    found = estimate().identifiability
+    assert [row[:2] for row in moved_table(found).rows][:2] == [
+        ("0001-manoeuvre", "encoders"),
+        ("0001-manoeuvre", "camera"),
+    ]
+
+
+def test_what_the_logs_cannot_tell_is_said_in_words():
+    (told,) = told_combinations(estimate().identifiability)
+    assert told.startswith("These logs can't tell")
+    assert "35 %" in told

@@ -1,0 +1,81 @@
+"""A planned leg in the terminal and as a page."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from experiments.reports.plan_report import plan_page, sentences, tables
+from experiments.studies.planned_leg import compare
+from experiments.verbs.tuning.plan import plan
+from scdpr_jax.command.controller import published_pd
+from scdpr_jax.command.trajectory import rest_to_rest
+from scdpr_jax.engines.closed_loop import closed_loop, joint_references
+from scdpr_jax.robot.dynamics import rest
+from scdpr_jax.robot.parameters import exact
+from scdpr_jax.robot.prototype import consistent
+from tuning.plan.plan_file import Plan
+from tuning.plan.planning import SCENARIOS
+
+ROBOT = exact(consistent())
+LIMIT = float(ROBOT.drive.voltage_limit)
+TIME = 1e-3 * np.arange(301)
+
+
+@pytest.fixture(scope="module")
+def short():
+    """The plain profile itself as a plan, of 5 cm in 0.3 s."""
+    leg = rest_to_rest((1.0, 0.5), (1.05, 0.5), duration=0.3)
+    led = jnp.stack([leg.position(time) for time in jnp.asarray(TIME)])
+    angle = np.asarray(joint_references(ROBOT, led))
+    return Plan(TIME, np.asarray(led), angle, np.zeros((TIME.size, 2)))
+
+
+@pytest.fixture(scope="module")
+def compared(short):
+    return compare(ROBOT, published_pd(), short)
+
+
+def test_what_is_planned_plainly_does_what_the_plain_profile_does(compared):
+    for plain, planned in zip(compared.plain, compared.planned, strict=True):
+        np.testing.assert_allclose(planned.position, plain.position, atol=1e-9)
+
+
+def test_the_first_robot_is_the_fitted_one(short, compared):
+    held = jnp.pad(jnp.asarray(short.position), ((0, 1500), (0, 0)), mode="edge")
+    start = rest(ROBOT, *jnp.asarray([1.0, 1.0, 0.5]))
+    alone = closed_loop(ROBOT, start, published_pd(), reference=held).states.position
+    np.testing.assert_allclose(compared.plain[0].position, alone[:, [0, 4]], atol=1e-12)
+
+
+def test_every_robot_of_the_planner_is_named_and_differs(compared):
+    assert compared.names[0] == "as fitted"
+    assert "pretension −3 %" in compared.names
+    assert "friction +20 %" in compared.names
+    assert len(set(compared.names)) == len(SCENARIOS)
+    ends = {float(run.position[-1, 0]) for run in compared.plain}
+    assert len(ends) == len(SCENARIOS)
+
+
+def test_a_saturated_drive_is_told(short, compared):
+    worst = max(run.figures.largest_voltage for run in compared.planned)
+    assert not any("SHORT" in line for line in sentences(short, compared, voltage_limit=LIMIT))
+    assert any("SHORT" in line for line in sentences(short, compared, voltage_limit=worst))
+
+
+def test_the_page_has_every_robot_and_loads_nothing(short, compared):
+    page = plan_page(short, compared, voltage_limit=LIMIT, tuning="<b>tuning</b>")
+    assert all(name in page for name in compared.names)
+    assert all(cell in page for table in tables(compared) for row in table.rows for cell in row)
+    assert "&lt;b&gt;tuning" in page
+    assert "http://" not in page.replace("http://www.w3.org", "")
+    assert "<script" not in page
+
+
+def test_a_page_in_place_of_the_table_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"such as .*plan\.csv"):
+        plan(
+            tmp_path / "tuning.json",
+            "0.3 m, 0.55 m",
+            "1.9 m, 0.55 m",
+            tmp_path / "plan.html",
+        )

@@ -1,0 +1,122 @@
+import dataclasses
+import io
+import re
+
+import jax.numpy as jnp
+import numpy as np
+from report_samples import TRUTH, campaign, estimate, frequencies, tuning
+from rich.console import Console
+
+from experiments.reports import summary
+from experiments.reports.drive_report import write_drive_report
+from identification.axis.drive_axis import EXTENDED_NAMES, DriveAxisEstimate
+from identification.axis.law import AxisLaws
+from identification.axis.log import AxisLog
+from identification.axis.motion import AxisParameters
+
+
+def printed(show, *args, **kwargs):
+    file = io.StringIO()
+    show(Console(file=file, width=200), *args, **kwargs)
+    return file.getvalue()
+
+
+def axis():
+    time = np.arange(100) * 0.01
+    log = AxisLog(time, np.sin(time), 0.1 * np.sin(time))
+    found = DriveAxisEstimate(
+        parameters=AxisParameters(95.1, 203.5, 20.3, -3.2),
+        sigma=AxisParameters(0.5, 2.0, 0.2, 0.1),
+        interval95=jnp.array([[94.1, 96.1], [199.6, 207.4], [19.9, 20.7], [-3.4, -3.0]]),
+        correlation=jnp.eye(4),
+        status=("identified", "identified", "weak", "identified"),
+        open_loop_rmse=1.2e-3,
+        positions=log.position + 1.2e-3,
+        memory=0.4,
+        starts=6,
+        agreeing_starts=5,
+        iterations=20,
+        converged=True,
+    )
+    return log, found
+
+
+def laws(found, *, ahead):
+    extended = dataclasses.replace(
+        found,
+        parameters=AxisParameters(93.5, 195.4, 21.3, 0.1, -83.0),
+        sigma=AxisParameters(0.5, 2.0, 0.2, 0.1, 4.0),
+        interval95=jnp.concatenate([found.interval95, jnp.array([[-90.8, -75.2]])]),
+        correlation=jnp.eye(5),
+        status=(*found.status, "identified"),
+        names=EXTENDED_NAMES,
+    )
+    return AxisLaws(usual_ahead=7e-3, extended_ahead=ahead, extended=extended)
+
+
+def test_truth_stands_beside_the_estimate():
+    text = printed(summary.show, estimate(), truth=TRUTH, campaign=campaign())
+    line = next(line for line in text.splitlines() if "effective_pretension" in line)
+    assert re.split(r"\s{2,}", line.strip()) == [
+        *("effective_pretension", "350 N", "85.000", "84.900", "85.100", "N", "0.12 %"),
+        *("identified", "85.500", "−0.58 %", "no"),
+    ]
+
+
+def test_coverage_is_judged_at_the_wider_level():
+    assert not summary.covers(estimate(), TRUTH)
+    # 2.9 standard errors: outside 95 %, inside 99.7 % (2.968 of them).
+    assert summary.covers(estimate(), {"effective_pretension": 85.0 + 2.9 * 0.05})
+
+
+def test_markup_in_a_name_is_printed_as_it_is():
+    text = printed(summary.show, estimate(), tuning=tuning())
+    assert "A note of the <tuning>." in text
+
+
+def test_gains_and_shapers_are_printed():
+    text = printed(summary.show_tuning, tuning())
+    for number in ("36", "0.7", "3.2", "5.7 %"):
+        assert number in text
+
+
+def test_frequencies_are_printed_with_their_errors():
+    line = next(
+        line
+        for line in printed(summary.show_frequencies, frequencies()).splitlines()
+        if "0003" in line
+    )
+    assert line.split()[4:] == ["3.2000", "0.0040", "0.0100", "0.0010"]
+
+
+def test_an_axis_is_printed_with_its_units():
+    text = printed(summary.show_axis, axis()[1], laws(axis()[1], ahead=6.9e-3))
+    line = next(line for line in text.splitlines() if line.startswith("viscous"))
+    assert "203.5" in line
+    assert "N s/m" in line
+    assert "1.20 mm rms" in text
+
+
+def test_the_report_of_an_axis_needs_nothing_else_and_has_its_numbers(tmp_path):
+    log, found = axis()
+    write_drive_report(
+        tmp_path / "report.html", log=log, estimate=found, laws=laws(found, ahead=5.9e-3)
+    )
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "http" not in page
+    assert "1.20 mm rms" in page
+    assert page.count("<svg") == 2
+    assert "203.5 N s/m, 95 % from 199.6 to 207.4 (identified)" in page
+
+
+def test_an_extended_law_is_offered_where_held_out_data_prefer_it_alone():
+    _, found = axis()
+
+    def told(ahead):
+        # A narrow console breaks lines anywhere.
+        return " ".join(printed(summary.show_axis, found, laws(found, ahead=ahead)).split())
+
+    enough, better = told(6.9e-3), told(5.9e-3)
+    assert "the usual law is enough" in enough
+    assert "what was held out prefers the extended law" in better
+    assert "viscous friction forwards minus backwards −83.0 N s/m" in better

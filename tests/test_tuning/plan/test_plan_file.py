@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from tuning.plan.plan_file import COLUMNS, Plan, read_plan, write_plan
+
+PLAN = Plan(
+    np.arange(4) * 1e-3,
+    np.array([[0.3, 0.55], [0.31, 0.55], [0.33, 0.56], [0.34, 0.56]]),
+    np.array([[0.0, 0.0], [0.1, 0.1], [0.5, 0.3], [0.7, 0.4]]),
+    np.array([[9.0, 8.5], [3.0, -2.0], [0.1, 0.2], [0.0, 0.0]]),
+)
+
+
+def test_a_plan_that_is_written_and_read_is_the_same(tmp_path):
+    write_plan(tmp_path / "plan.csv", PLAN)
+    for again, part in zip(read_plan(tmp_path / "plan.csv"), PLAN, strict=True):
+        # Nine decimals are written.
+        np.testing.assert_allclose(again, part, atol=5e-10)
+
+
+def test_the_header_is_the_one_that_controllers_read(tmp_path):
+    write_plan(tmp_path / "plan.csv", PLAN)
+    assert (tmp_path / "plan.csv").read_text().splitlines()[0] == (
+        "t [s],x_ref [m],y_ref [m],alpha_ref_1 [rad],alpha_ref_2 [rad],"
+        "feedforward_1 [V],feedforward_2 [V]"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("t [s],x [m]\n0,1\n", "row 1: the header is wrong"),
+        (",".join(COLUMNS) + "\n0,0,0,0,0,0,0\n0.001,0,0,0,0,zero,0\n", "row 3: got"),
+        (",".join(COLUMNS) + "\n0,0,0,0,0,0,0\n0.001,0,0,0,0,0\n", "row 3: got"),
+        (",".join(COLUMNS) + "\n0,0,0,0,0,0,nan\n0,0,0,0,0,0,0\n", "row 2: got"),
+        (",".join(COLUMNS) + "\n0,0,0,0,0,0,0\n", "got 1 rows"),
+        ("", "row 1: the header is wrong"),
+    ],
+)
+def test_a_broken_plan_is_refused_with_its_place(text, told, tmp_path):
+    path = tmp_path / "plan.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=told):
+        read_plan(path)
+
+
+def test_a_missing_plan_says_which_command_writes_it(tmp_path):
+    with pytest.raises(ValueError, match="scdpr plan"):
+        read_plan(tmp_path / "plan.csv")

@@ -1,0 +1,112 @@
+import dataclasses
+import json
+
+import jax
+import pytest
+
+from scdpr_jax.command.controller import published_pd
+from scdpr_jax.robot.parameters import EVERY_QUANTITY, exact, replace, value
+from scdpr_jax.robot.prototype import consistent
+from tuning.loop.margins import sampled_margins
+from tuning.loop.plant import published_plant
+from tuning.loop.worst_margins import WorstMargin
+from tuning.result.document import read_tuning, tuning_document, write_tuning
+from tuning.result.types import (
+    FittedSetting,
+    Metrics,
+    Prediction,
+    Region,
+    RegionalShaper,
+    ResidualVibration,
+    Tuning,
+)
+from tuning.shapers.catalogue import ei
+
+METRICS = Metrics(5e-3, 2e-3, 54e-3, 15e-3, 54e-3, 8.9, 0.0)
+
+
+@pytest.fixture(scope="module")
+def tuning():
+    margins = jax.jit(sampled_margins)(published_plant(), published_pd())
+    region = Region((0.0, 2.224), (0.0, 1.112), (350.0, 350.0))
+    left = ResidualVibration(0.05, 0.051)
+    shaper = RegionalShaper(region, 0.6, ei(3.1, 0.0), 3.1, (3.09, 3.11), 0.0, True, left)
+    predicted = Prediction("horizontal", METRICS, METRICS)
+    robots = (FittedSetting(350.0, consistent()),)
+    worst = (
+        WorstMargin("phase_margin", 0.3, "lifting", 0.4, 350.0),
+        WorstMargin("gain_margin", float("inf"), "lifting", 0.4, 350.0),
+    )
+    return Tuning(published_pd(), margins, (shaper,), (predicted,), robots, worst, ("A note.",))
+
+
+def test_a_tuning_that_is_written_and_read_is_the_same(tuning, tmp_path):
+    write_tuning(tmp_path / "tuning.json", tuning)
+    again = read_tuning(tmp_path / "tuning.json")
+    assert tuning_document(again) == tuning_document(tuning)
+
+
+def test_the_robot_that_is_read_is_the_one_that_was_fitted(tuning, tmp_path):
+    fitted = consistent()
+    for share, one in enumerate(EVERY_QUANTITY, start=2):
+        fitted = replace(fitted, {one.name: float(value(fitted, one.name)) + 0.01 * share})
+    robots = (FittedSetting(350.0, exact(fitted)),)
+    write_tuning(tmp_path / "tuning.json", dataclasses.replace(tuning, robots=robots))
+    again = read_tuning(tmp_path / "tuning.json").robot_at().robot
+    assert jax.tree.all(jax.tree.map(lambda a, b: bool(a == b), again, exact(fitted)))
+
+
+def test_a_robot_from_before_refinements_is_read(tuning, tmp_path):
+    path = broken(
+        tuning, tmp_path, lambda d: d["robots"][0]["parameters"].pop("loop_stiffness")
+    )
+    assert float(read_tuning(path).robot_at().robot.cable.stiffness) == 0.0
+
+
+def test_a_shaper_from_before_heights_stands_for_the_middle_of_its_region(tuning, tmp_path):
+    path = broken(tuning, tmp_path, lambda d: d["shapers"][0].pop("height"))
+    assert read_tuning(path).shapers[0].height == 1.112 / 2
+
+
+def test_a_setting_without_a_fitted_robot_is_refused(tuning):
+    with pytest.raises(ValueError, match="at 200 N, got: 350 N"):
+        tuning.robot_at(200.0)
+
+
+def broken(tuning, tmp_path, change):
+    document = json.loads(tuning_document(tuning))
+    change(document)
+    path = tmp_path / "tuning.json"
+    path.write_text(json.dumps(document))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (lambda d: d.update(format=2), "format is wrong"),
+        (lambda d: d["controller"]["proportional_gain"].update(unit="V/deg"), "unit is wrong"),
+        (lambda d: d["shapers"][0].update(amplitudes=[0.5, 0.2, 0.1]), "sum to 0.8"),
+        (lambda d: d["shapers"][0].update(times=[0.0, 0.2, 0.1]), "times decrease"),
+        (lambda d: d["robots"][0]["parameters"].pop("drive_inertia"), "drive_inertia"),
+        (
+            lambda d: d["robots"][0]["parameters"]["loop_stiffness"].update(unit="N/mm"),
+            "the unit of loop_stiffness: got 'N/mm'",
+        ),
+        (
+            lambda d: d["robots"][0]["parameters"].update(
+                springiness={"value": 1.0, "unit": "N/m"}
+            ),
+            "unknown quantity 'springiness'",
+        ),
+        (lambda d: d["predicted"]["horizontal"]["after"].popitem(), "expected the metrics"),
+    ],
+)
+def test_a_broken_file_is_refused_with_its_place(tuning, tmp_path, change, where):
+    with pytest.raises(ValueError, match=where):
+        read_tuning(broken(tuning, tmp_path, change))
+
+
+def test_a_missing_file_says_which_command_writes_it(tmp_path):
+    with pytest.raises(ValueError, match="scdpr tune"):
+        read_tuning(tmp_path / "tuning.json")

@@ -1,0 +1,1 @@
+"""Gains and shapers through the simulated closed loop."""

@@ -1,0 +1,321 @@
+"""From a fitted robot and its measured frequencies to gains and shapers."""
+
+import dataclasses
+from typing import Protocol, runtime_checkable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from scdpr_jax.command.controller import PD, published_pd
+from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
+from scdpr_jax.robot.drive import drive_gain, drive_pole
+from scdpr_jax.robot.parameters import Robot, exact
+from tuning.gains.optimise import (
+    COARSE_PERIOD,
+    IMPULSES,
+    LEG_TIMES,
+    Effort,
+    Progress,
+    Task,
+    alone,
+    losses,
+    optimise,
+    runs,
+    samples_for,
+    track,
+    unshaped,
+)
+from tuning.loop.admissible import admissible
+from tuning.loop.margins import sampled_margins
+from tuning.loop.plant import MotorPlant
+from tuning.loop.worst_margins import margin_map, worst_margins
+from tuning.regions.cells import Cell, Frequencies, cells_of, other_modes, robot_in
+from tuning.regions.residual_map import worst_in_band
+from tuning.result.types import (
+    FittedSetting,
+    Metrics,
+    Prediction,
+    RegionalShaper,
+    ResidualVibration,
+    TrackingRun,
+    Tuning,
+)
+from tuning.shapers.catalogue import CATALOGUE
+
+_SPAN = (0.3 / 2.224, 1.9 / 2.224)
+"""Ends of Table 3's horizontal manoeuvre, as shares of the frame's width [1]."""
+_HEIGHT = 0.55 / 1.112
+"""Its height, as a share of the frame's [1]."""
+_JUDGED = {
+    "residual_vibration": "residual vibration",
+    "resting_error": "resting error",
+    "largest_error": "largest error against the commanded reference",
+    "rms_error": "rms error against the commanded reference",
+    "largest_original_error": "largest error against the unshaped reference (a shaper delays)",
+}
+"""Metrics that a note tells of where they became worse, by their field's name."""
+
+
+@runtime_checkable
+class Estimated(Protocol):
+    """A fitted robot, at every pretension setting."""
+
+    @property
+    def robot(self) -> Robot:
+        """The robot at its first setting."""
+
+    def of_setting(self, label: str) -> Robot:
+        """The robot at a setting such as "350 N"."""
+
+
+class _Nowhere:
+    """A map of no knocks."""
+
+    x = y = pretension = frequency = frequency_sigma = damping_ratio = np.zeros(0)
+
+
+def tune(
+    estimate: Estimated,
+    frequencies: Frequencies | None,
+    *,
+    leg_times: tuple[float, ...] = LEG_TIMES,
+    effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
+    progress: Progress = lambda doing, share: None,
+) -> Tuning:
+    """Gains for the robot and a shaper for every region of its workspace.
+
+    Gains and a shaper are optimised on Table 3's horizontal manoeuvre in the cell that it
+    lies in. In every other cell the shaper is the one that the simulation likes best there,
+    of the catalogue's at the cell's frequency, the optimised one scaled to that frequency,
+    and none at all.
+
+    Args:
+        estimate: The fitted robot.
+        frequencies: The measured map; None, or without rows, for the model's frequencies.
+        leg_times: Times of a leg that the design is optimised for [s].
+        effort: How much is spent on the optimisation.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        The tuning; its notes say where the model stood in for measurements, and which of
+        the predicted metrics became worse.
+
+    Raises:
+        ValueError: If a measured setting has no fitted pretension.
+    """
+    known = _Nowhere() if frequencies is None else frequencies
+    settings = sorted({float(setting) for setting in known.pretension})
+    robots = {setting: exact(estimate.of_setting(f"{setting:g} N")) for setting in settings}
+    if not settings:
+        nominal = float(estimate.robot.cable.effective_pretension)
+        settings, robots = [nominal], {nominal: exact(estimate.robot)}
+    cells = {s: cells_of(known, robots[s], pretension=s) for s in settings}
+    # The middle setting stands for the others where the gains are concerned.
+    setting = settings[len(settings) // 2]
+    reference = _reference_cell(cells[setting], robots[setting])
+    # What is promised for Table 3 is promised for the fitted robot as it is.
+    task = _task(robots[setting], height=_HEIGHT * float(robots[setting].frame.height))
+    progress("gains that keep their margins", 0.0)
+    within = admissible(list(robots.values()))
+    found = optimise(
+        task,
+        within,
+        leg_times=leg_times,
+        effort=effort,
+        progress=lambda doing, share: progress(doing, 0.8 * share),
+    )
+    shapers = []
+    for number, s in enumerate(settings):
+        progress("shapers of the regions", 0.8 + 0.1 * number / len(settings))
+        shapers += _shapers(
+            cells[s],
+            robots[s],
+            found.controller,
+            found.shaper,
+            reference,
+            s == setting,
+            leg_times,
+        )
+    progress("manoeuvres before and after", 0.9)
+    predicted = tuple(
+        _predict(task, found.controller, found.shaper, leg_time, longest=max(leg_times))
+        for leg_time in leg_times
+    )
+    fitted = tuple(FittedSetting(s, robot) for s, robot in robots.items())
+    progress("margins over the workspace", 0.97)
+    plant = MotorPlant(gain=drive_gain(task.robot.drive), pole=drive_pole(task.robot.drive))
+    return Tuning(
+        controller=found.controller,
+        margins=sampled_margins(plant, found.controller),
+        shapers=tuple(shapers),
+        predicted=predicted,
+        robots=fitted,
+        worst_margins=worst_margins(margin_map(fitted, found.controller)),
+        notes=(*_other_modes(known, robots), *_notes(shapers, predicted)),
+    )
+
+
+def _reference_cell(cells: tuple[Cell, ...], robot: Robot) -> Cell:
+    """The cell in which Table 3's horizontal manoeuvre ends."""
+    x, y = _SPAN[0] * float(robot.frame.width), _HEIGHT * float(robot.frame.height)
+    return next(
+        cell
+        for cell in cells
+        if cell.region.x[0] <= x <= cell.region.x[1]
+        and cell.region.y[0] <= y <= cell.region.y[1]
+    )
+
+
+def _task(robot: Robot, *, height: float) -> Task:
+    width = float(robot.frame.width)
+    start, turn = (jnp.asarray([share * width, height]) for share in _SPAN)
+    return Task(robot, start, turn)
+
+
+def _shapers(
+    cells: tuple[Cell, ...],
+    robot: Robot,
+    controller: PD,
+    optimised: Shaper,
+    reference: Cell,
+    own_setting: bool,
+    leg_times: tuple[float, ...],
+) -> list[RegionalShaper]:
+    """The best shaper of each cell; that of the reference cell is the optimised one."""
+    coarse = PD(controller.proportional_gain, controller.derivative_gain, COARSE_PERIOD)
+    candidates = [_candidates(cell, optimised, reference) for cell in cells]
+    tasks = [_task(robot_in(cell, robot), height=cell.height) for cell in cells]
+    each = jax.tree.map(lambda *leaves: jnp.stack(leaves), *tasks)
+    many = jax.tree.map(lambda leaf: jnp.repeat(leaf, len(candidates[0]), axis=0), each)
+    tried = jax.tree.map(
+        lambda *leaves: jnp.stack(leaves), *(one for cell in candidates for one in cell)
+    )
+    total = np.zeros((len(cells), len(candidates[0])))
+    for leg in leg_times:
+        before = runs(each, alone(), unshaped(optimised.times.size), leg)
+        after = runs(many, coarse, tried, leg)
+        shape = total.shape
+        shaped = jax.tree.map(lambda leaf, shape=shape: leaf.reshape(shape), after)
+        against = jax.tree.map(lambda leaf: leaf[:, None], before)
+        total = total + np.asarray(losses(shaped, against))
+    chosen = []
+    for cell, shapers, costs in zip(cells, candidates, total, strict=True):
+        best = shapers[int(np.nanargmin(costs))]
+        own = own_setting and cell == reference
+        chosen.append(_regional(cell, optimised if own else best))
+    return chosen
+
+
+def _candidates(cell: Cell, optimised: Shaper, reference: Cell) -> list[Shaper]:
+    """Shapers of as many impulses as the optimised one; idle ones have no amplitude."""
+    count = optimised.times.size
+    scale = reference.frequency / cell.frequency
+    designs = [entry.design(cell.frequency, cell.damping_ratio) for entry in CATALOGUE]
+    fitting = [shaper for shaper in (unshaped(), *designs) if shaper.times.size <= count]
+    return [
+        Shaper(scale * optimised.times, optimised.amplitudes),
+        *(padded(shaper, count) for shaper in fitting),
+    ]
+
+
+def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
+    used = np.asarray(shaper.amplitudes) != 0
+    kept = Shaper(shaper.times[used], shaper.amplitudes[used])
+
+    damping_ratio = jnp.asarray(cell.damping_ratio)
+    nominal = residual_vibration(
+        kept, frequency=jnp.asarray(cell.frequency), damping_ratio=damping_ratio
+    )
+    worst = worst_in_band(kept, band=jnp.asarray(cell.band), damping_ratio=damping_ratio)
+    return RegionalShaper(
+        region=cell.region,
+        height=cell.height,
+        shaper=kept,
+        frequency=cell.frequency,
+        band=cell.band,
+        damping_ratio=cell.damping_ratio,
+        measured=cell.measured,
+        residual_vibration=ResidualVibration(float(nominal), float(worst)),
+    )
+
+
+_run = jax.jit(track, static_argnames="samples")
+
+
+def prepare(
+    robot: Robot,
+    *,
+    leg_times: tuple[float, ...] = LEG_TIMES,
+    effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
+) -> None:
+    """Compile what `tune` will run, on any robot, as it takes longer than running it.
+
+    Args:
+        robot: Any robot with the numbers of an ordinary one.
+        leg_times: Times of a leg that the design will be optimised for [s].
+        effort: How much will be spent.
+    """
+    task = _task(exact(robot), height=_HEIGHT * float(robot.frame.height))
+    once = Effort(effort.population, generations=1, descents=min(effort.descents, 1))
+    optimise(task, admissible([task.robot]), leg_times=leg_times, effort=once)
+    _predict(task, published_pd(), unshaped(IMPULSES), leg_times[0], longest=max(leg_times))
+
+
+def _predict(
+    task: Task, controller: PD, shaper: Shaper, leg_time: float, *, longest: float
+) -> Prediction:
+    """A manoeuvre at the controllers' own rate, before and after."""
+    leg = jnp.asarray(leg_time)
+    count = shaper.times.size
+
+    def simulate(pd: PD, impulses: Shaper) -> tuple[Metrics, TrackingRun]:
+        # As many for every leg time, so that it compiles once; the rest is cut off.
+        most, samples = (samples_for(t, float(pd.period)) for t in (longest, leg_time))
+        found = _run(task, pd, impulses, leg, samples=most)
+        position = np.asarray(found.run.states.position)[:, [0, 4]]
+        numbers = {
+            field.name: float(getattr(found.scores, field.name))
+            for field in dataclasses.fields(Metrics)
+        }
+        return Metrics(**numbers), TrackingRun(
+            time=np.asarray(found.run.time)[:samples],
+            reference=np.asarray(found.reference)[:samples],
+            commanded=np.asarray(found.commanded)[:samples],
+            position=position[:samples],
+            voltage=np.asarray(found.run.voltage)[: samples - 1],
+        )
+
+    before, run_before = simulate(published_pd(), padded(unshaped(), count))
+    after, run_after = simulate(controller, shaper)
+    name = f"horizontal manoeuvre, {leg_time:g} s a leg"
+    return Prediction(name, before, after, run_before, run_after)
+
+
+def _other_modes(known: Frequencies, robots: dict[float, Robot]) -> list[str]:
+    return [
+        f"The knock at x {known.x[row]:.2f} m, y {known.y[row]:.2f} m and {setting:g} N rings "
+        f"at {known.frequency[row]:.2f} Hz, in another mode than the sway that shapers are "
+        "for: it says nothing of them. Knock there anew, with the drives held."
+        for setting, robot in robots.items()
+        for row in other_modes(known, robot, pretension=setting)
+    ]
+
+
+def _notes(shapers: list[RegionalShaper], predicted: tuple[Prediction, ...]) -> tuple[str, ...]:
+    notes = []
+    modelled = sum(not shaper.measured for shaper in shapers)
+    if modelled:
+        notes.append(
+            f"{modelled} of {len(shapers)} regions have no knock: their frequency is the "
+            "model's, with both carriages held by friction. Knock there to measure it."
+        )
+    for prediction in predicted:
+        worse = [
+            told
+            for name, told in _JUDGED.items()
+            if getattr(prediction.after, name) > getattr(prediction.before, name)
+        ]
+        if worse:
+            notes.append(f"{prediction.name}: worse than before in {', '.join(worse)}.")
+    return tuple(notes)

@@ -1,0 +1,1 @@
+"""Legs planned to arrive at rest."""

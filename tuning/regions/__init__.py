@@ -1,0 +1,1 @@
+"""Where in the workspace which shaper holds, and what it leaves there."""

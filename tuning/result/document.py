@@ -1,0 +1,317 @@
+"""`tuning.json`: gains, shapers and what they are predicted to do."""
+
+import dataclasses
+import json
+import math
+import pathlib
+from typing import Any, Literal
+
+import jax.numpy as jnp
+import pydantic
+
+from scdpr_jax.command.controller import PD
+from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.robot.parameters import EVERY_QUANTITY, QUANTITIES, exact, quantity, replace
+from scdpr_jax.robot.prototype import consistent
+from tuning.loop.margins import Margins
+from tuning.loop.worst_margins import WorstMargin
+from tuning.result.json_file import read_json
+from tuning.result.types import (
+    FittedSetting,
+    Metrics,
+    Prediction,
+    Region,
+    RegionalShaper,
+    ResidualVibration,
+    Tuning,
+)
+
+_Span = tuple[pydantic.FiniteFloat, pydantic.FiniteFloat]
+
+
+def tuning_document(tuning: Tuning) -> str:
+    """A tuning as the text of `tuning.json`.
+
+    A number that isn't finite, such as the gain margin of a loop that has no phase
+    crossover, is null. Traces of the predicted runs aren't written.
+
+    Args:
+        tuning: The tuning.
+
+    Returns:
+        JSON text.
+    """
+    controller = tuning.controller
+    document = {
+        "format": 1,
+        "controller": {
+            "proportional_gain": {
+                "value": float(controller.proportional_gain),
+                "unit": "V/rad",
+            },
+            "derivative_gain": {
+                "value": float(controller.derivative_gain),
+                "unit": "V s/rad",
+            },
+            "period": {"value": float(controller.period), "unit": "s"},
+            "filter_time": {"value": float(controller.filter_time), "unit": "s"},
+            "margins": {
+                field.name: _finite(float(getattr(tuning.margins, field.name)))
+                for field in dataclasses.fields(Margins)
+            }
+            | {"flexible": [_worst(one) for one in tuning.worst_margins]},
+        },
+        "shapers": [_shaper(regional) for regional in tuning.shapers],
+        "robots": [_robot(known) for known in tuning.robots],
+        "predicted": {
+            prediction.name: {
+                "before": dataclasses.asdict(prediction.before),
+                "after": dataclasses.asdict(prediction.after),
+            }
+            for prediction in tuning.predicted
+        },
+        "notes": list(tuning.notes),
+    }
+    return json.dumps(document, indent=1, allow_nan=False) + "\n"
+
+
+def write_tuning(path: pathlib.Path, tuning: Tuning) -> None:
+    """Write a tuning as `tuning.json`, whole or not at all.
+
+    Args:
+        path: The file, replaced if it exists.
+        tuning: The tuning.
+    """
+    write_whole(path, tuning_document(tuning))
+
+
+def read_tuning(path: pathlib.Path) -> Tuning:
+    """Read a tuning from `tuning.json`.
+
+    Args:
+        path: The file.
+
+    Returns:
+        The tuning, its predictions without traces.
+
+    Raises:
+        ValueError: If the file isn't what `scdpr tune` writes; says where.
+    """
+    found = read_json(path, _Document, expected="a tuning.json", verb="tune")
+    gains = found.controller
+    return Tuning(
+        controller=PD(
+            gains.proportional_gain.value,
+            gains.derivative_gain.value,
+            gains.period.value,
+            gains.filter_time.value,
+        ),
+        margins=Margins(
+            **{
+                name: jnp.asarray(_unbounded(name) if number is None else number)
+                for name, number in gains.margins.model_dump(exclude={"flexible"}).items()
+            }
+        ),
+        shapers=tuple(shaper.build() for shaper in found.shapers),
+        predicted=tuple(
+            Prediction(name, Metrics(**pair.before), Metrics(**pair.after))
+            for name, pair in found.predicted.items()
+        ),
+        robots=tuple(known.build() for known in found.robots),
+        worst_margins=tuple(
+            WorstMargin(**{**worst.model_dump(), "value": _told(worst)})
+            for worst in gains.margins.flexible
+        ),
+        notes=tuple(found.notes),
+    )
+
+
+def _shaper(regional: RegionalShaper) -> dict[str, Any]:
+    region, shaper = regional.region, regional.shaper
+    return {
+        "region": {
+            "x": list(region.x),
+            "y": list(region.y),
+            "pretension": list(region.pretension),
+        },
+        "height": regional.height,
+        "times": shaper.times.tolist(),
+        "amplitudes": shaper.amplitudes.tolist(),
+        "duration": float(shaper.duration),
+        "residual_vibration": dataclasses.asdict(regional.residual_vibration),
+        "frequency": regional.frequency,
+        "band": list(regional.band),
+        "damping_ratio": regional.damping_ratio,
+        "measured": regional.measured,
+    }
+
+
+def _robot(known: FittedSetting) -> dict[str, Any]:
+    return {
+        "pretension": {"value": known.pretension, "unit": "N"},
+        "parameters": {
+            one.name: {"value": float(one.leaves(known.robot)[0]), "unit": one.unit}
+            for one in EVERY_QUANTITY
+        },
+    }
+
+
+def _worst(one: WorstMargin) -> dict[str, Any]:
+    return dataclasses.asdict(one) | {"value": _finite(one.value)}
+
+
+def _told(worst: "_WorstMargin") -> float:
+    return _unbounded(worst.measure) if worst.value is None else worst.value
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
+
+
+def _unbounded(name: str) -> float:
+    """What null stands for: a margin without bound, a crossover that isn't there."""
+    return math.inf if name == "gain_margin" else math.nan
+
+
+class _VoltsPerRadian(pydantic.BaseModel):
+    value: pydantic.FiniteFloat
+    unit: Literal["V/rad"]
+
+
+class _VoltSecondsPerRadian(pydantic.BaseModel):
+    value: pydantic.FiniteFloat
+    unit: Literal["V s/rad"]
+
+
+class _Seconds(pydantic.BaseModel):
+    value: pydantic.NonNegativeFloat
+    unit: Literal["s"]
+
+
+class _WorstMargin(pydantic.BaseModel):
+    measure: str
+    value: float | None
+    loop: str
+    height: pydantic.FiniteFloat
+    pretension: pydantic.FiniteFloat
+
+
+class _Margins(pydantic.BaseModel):
+    gain_crossover: float | None
+    phase_margin: float | None
+    delay_margin: float | None
+    phase_crossover: float | None
+    gain_margin: float | None
+    peak_sensitivity: float | None
+    flexible: list[_WorstMargin] = []
+
+
+class _Controller(pydantic.BaseModel):
+    proportional_gain: _VoltsPerRadian
+    derivative_gain: _VoltSecondsPerRadian
+    period: _Seconds = _Seconds(value=1e-3, unit="s")
+    filter_time: _Seconds = _Seconds(value=0.0, unit="s")
+    margins: _Margins
+
+
+class _Region(pydantic.BaseModel):
+    x: _Span
+    y: _Span
+    pretension: _Span
+
+
+class _Residual(pydantic.BaseModel):
+    nominal: pydantic.NonNegativeFloat
+    worst: pydantic.NonNegativeFloat
+
+
+class _Shaper(pydantic.BaseModel):
+    region: _Region
+    height: pydantic.FiniteFloat | None = None
+    times: list[pydantic.NonNegativeFloat]
+    amplitudes: list[pydantic.FiniteFloat]
+    residual_vibration: _Residual
+    frequency: pydantic.PositiveFloat
+    band: _Span
+    damping_ratio: pydantic.NonNegativeFloat
+    measured: bool
+
+    @pydantic.model_validator(mode="after")
+    def _is_a_shaper(self) -> "_Shaper":
+        if not self.times or len(self.times) != len(self.amplitudes):
+            raise ValueError(
+                f"{len(self.times)} times and {len(self.amplitudes)} amplitudes, expected as "
+                "many of both, one at least"
+            )
+        if self.times != sorted(self.times):
+            raise ValueError("the times decrease [s], expected them sorted")
+        if abs(sum(self.amplitudes) - 1) > 1e-6:
+            raise ValueError(f"the amplitudes sum to {sum(self.amplitudes):.6g}, expected 1")
+        return self
+
+    def build(self) -> RegionalShaper:
+        # Files from before heights were written tell the region only.
+        height = sum(self.region.y) / 2 if self.height is None else self.height
+        return RegionalShaper(
+            region=Region(self.region.x, self.region.y, self.region.pretension),
+            height=height,
+            shaper=Shaper(self.times, self.amplitudes),
+            frequency=self.frequency,
+            band=self.band,
+            damping_ratio=self.damping_ratio,
+            measured=self.measured,
+            residual_vibration=ResidualVibration(**self.residual_vibration.model_dump()),
+        )
+
+
+class _Newtons(pydantic.BaseModel):
+    value: pydantic.NonNegativeFloat
+    unit: Literal["N"]
+
+
+class _Number(pydantic.BaseModel):
+    value: pydantic.FiniteFloat
+    unit: str
+
+
+class _Robot(pydantic.BaseModel):
+    pretension: _Newtons
+    parameters: dict[str, _Number]
+
+    @pydantic.model_validator(mode="after")
+    def _has_every_quantity(self) -> "_Robot":
+        missing = {one.name for one in QUANTITIES} - self.parameters.keys()
+        if missing:
+            raise ValueError(f"without {sorted(missing)}, expected every quantity of the robot")
+        for name, number in self.parameters.items():
+            unit = quantity(name).unit
+            if number.unit != unit:
+                raise ValueError(f"the unit of {name}: got {number.unit!r}, expected {unit!r}")
+        return self
+
+    def build(self) -> FittedSetting:
+        values = {name: number.value for name, number in self.parameters.items()}
+        return FittedSetting(self.pretension.value, exact(replace(consistent(), values)))
+
+
+class _Pair(pydantic.BaseModel):
+    before: dict[str, pydantic.FiniteFloat]
+    after: dict[str, pydantic.FiniteFloat]
+
+    @pydantic.model_validator(mode="after")
+    def _has_every_metric(self) -> "_Pair":
+        wanted = {field.name for field in dataclasses.fields(Metrics)}
+        for side in (self.before, self.after):
+            if set(side) != wanted:
+                raise ValueError(f"got {sorted(side)}, expected the metrics {sorted(wanted)}")
+        return self
+
+
+class _Document(pydantic.BaseModel):
+    format: Literal[1]
+    controller: _Controller
+    shapers: list[_Shaper]
+    predicted: dict[str, _Pair]
+    robots: list[_Robot] = []
+    notes: list[str] = []
