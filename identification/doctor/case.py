@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from identification.campaign.notes import known
+from identification.campaign.notes.note import known
 from identification.campaign.types import Campaign, Initial, Knock, Run, encoder_resolution
 
 X, D, Q3, Q4, Y = range(5)

@@ -4,7 +4,6 @@ import dataclasses
 from collections.abc import Callable
 from typing import NamedTuple
 
-
 from identification.campaign.types import Campaign
 from identification.doctor.case import Case, Record, Rig, case_of
 from identification.doctor.findings import Finding, merged

@@ -17,7 +17,7 @@ class Words(NamedTuple):
 
 _UNIT = "Correct the unit in the header of the file, or let --mend do it."
 _PLUG = "Correct the wiring or the logger for the next campaign; let --mend put this one right."
-_CLOCK = "State `clock_offset` in [camera], or write \"unknown\"; --mend estimates it."
+_CLOCK = 'State `clock_offset` in [camera], or write "unknown"; --mend estimates it.'
 _LOG = "Export the log again, or leave the run out."
 
 WORDS: Mapping[str, Words] = {

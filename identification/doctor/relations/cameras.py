@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from jaxtyping import Float64
 
-from identification.doctor.case import D, Q3, Q4, Case, Record, X, Y
+from identification.doctor.case import Q3, Q4, Case, D, Record, X, Y
 from identification.doctor.relations.clocks import clock_terms
 from identification.doctor.relations.pairing import MOVES, Pairing, pairings
 from identification.doctor.relations.relation import Relation, off

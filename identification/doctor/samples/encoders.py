@@ -20,8 +20,11 @@ from identification.doctor.words import finding
 FEWEST_STEPS = 20
 """Fewer steps than this have no neighbours to speak of."""
 
-LEAST_COUNTS = 30
-"""A jump is at least this many counts at 1 kHz: good logs leave 2.5 at most."""
+LEAST_COUNTS = 12
+"""A jump is at least this many counts: good logs leave 2.5 at most."""
+
+STRONGEST = 8
+"""Steps of the strongest acceleration that a jump is at least."""
 
 SLOW = 0.004
 """Sample period [s] from which on a step's neighbours tell its motion only coarsely."""
@@ -103,14 +106,15 @@ def _compared(step: Float64[np.ndarray, " steps"]) -> _Steps:
 
 def _standing_out(steps: _Steps, record: Record, rig: Rig) -> Bool[np.ndarray, " steps"]:
     """Steps that can't be motion."""
-    moved = np.abs(steps.step[steps.step != 0])
-    least = LEAST_COUNTS * float(np.min(moved)) * (record.period / 1e-3) ** 2
+    count = float(np.min(np.abs(steps.step[steps.step != 0])))
+    # A step differs from its neighbours by what the strongest command does in a few periods.
+    strongest = rig.voltage_limit * rig.torque_per_volt / rig.inertia
+    least = STRONGEST * strongest * record.period**2
     if record.period > SLOW:
-        # At 100 Hz and slower a step differs from its neighbours by what the robot does.
+        # At 100 Hz and slower that is as much as the robot moves.
         least = 2.2 * float(np.quantile(np.abs(steps.near), 0.9))
-    limit = max(
-        8 * float(np.quantile(np.abs(steps.out), 0.93)), LEAST_COUNTS * float(np.min(moved)), least
-    )
+    usual = 8 * float(np.quantile(np.abs(steps.out), 0.93))
+    limit = max(usual, LEAST_COUNTS * count, least)
     turns = np.zeros(len(steps.step), dtype=bool)
     for period in wrap_periods(rig).values():
         # An encoder that dithers about its wrap jumps so often that quantiles see nothing

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from identification.doctor.case import CAMERA_COLUMNS, D, Q3, Q4, Record, Rig, X, Y
+from identification.doctor.case import CAMERA_COLUMNS, Q3, Q4, D, Record, Rig, X, Y
 from identification.doctor.findings import Finding
 from identification.doctor.statistics import spread
 from identification.doctor.words import finding

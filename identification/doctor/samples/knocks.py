@@ -83,7 +83,9 @@ def _knock(record: Record, moved: Onset) -> Knock:
 def _finding(
     identifier: str, severity: Severity, record: Record, moved: Onset, knock: Knock
 ) -> Finding:
-    stated = "isn't stated" if record.knock is None else f"is stated at {record.knock.start:g} s"
+    stated = (
+        "isn't stated" if record.knock is None else f"is stated at {record.knock.start:g} s"
+    )
     return finding(
         identifier,
         severity,

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from identification.doctor.case import CAMERA_COLUMNS, D, Q3, Q4, Record, Rig, X, Y
+from identification.doctor.case import CAMERA_COLUMNS, Q3, Q4, D, Record, Rig, X, Y
 from identification.doctor.findings import Finding
 from identification.doctor.statistics import longest_still, travel
 from identification.doctor.words import finding

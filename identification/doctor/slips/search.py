@@ -147,15 +147,15 @@ def _pairs(first: list[Explanation]) -> list[Explanation]:
     """The best second slip after each of the three best first ones, beside single ones."""
     found = list(first)
     for start in first[:BEST]:
-        for then in _search(start.examination, (start.slips[0].id,))[:1]:
-            found.append(
-                Explanation(
-                    then.left + PRICE,
-                    (*start.slips, *then.slips),
-                    (*start.undone, *then.undone),
-                    then.examination,
-                )
+        found += [
+            Explanation(
+                then.left + PRICE,
+                (*start.slips, *then.slips),
+                (*start.undone, *then.undone),
+                then.examination,
             )
+            for then in _search(start.examination, (start.slips[0].id,))[:1]
+        ]
     return sorted(found, key=lambda each: each.rank)
 
 

@@ -125,12 +125,17 @@ class Motion:
 def simulate(truths: list[Truth], runs: list[Program], random: np.random.Generator) -> Motion:
     """All runs at once."""
     many, dt = len(runs), PERIOD / SUBSTEPS
-    p = {f.name: np.array([getattr(t, f.name) for t in truths]) for f in dataclasses.fields(Truth)}
+    p = {
+        f.name: np.array([getattr(t, f.name) for t in truths])
+        for f in dataclasses.fields(Truth)
+    }
     bare = np.array([run.kind == "motor_step" for run in runs])
     steps = np.array([run.kind == "breakaway" for run in runs])
     closed = np.array([run.reference is not None for run in runs])
     volts = np.stack([np.zeros((ROWS, 2)) if r.volts is None else r.volts for r in runs], -1)
-    ways = np.stack([np.zeros((ROWS, 2)) if r.reference is None else r.reference for r in runs], -1)
+    ways = np.stack(
+        [np.zeros((ROWS, 2)) if r.reference is None else r.reference for r in runs], -1
+    )
     pushes = np.stack([np.zeros(ROWS) if r.push is None else r.push for r in runs], -1)
     stiffness = np.where(bare, 0.0, p["stiffness"])
     slack = np.where(bare, 0.0, 60.0)
@@ -166,7 +171,9 @@ def simulate(truths: list[Truth], runs: list[Program], random: np.random.Generat
             top = q[0] - ARM * sine - q[3], q[4] + ARM * cosine - HEIGHT
             pull = -2 * p["pretension"] / np.hypot(*low)
             lift = -2 * p["pretension"] / np.hypot(*top)
-            cable = RADIUS * a - np.stack([q[2] - start[2] + q[4] - start[4], q[2] - start[2] - q[4] + start[4]])
+            cable = RADIUS * a - np.stack(
+                [q[2] - start[2] + q[4] - start[4], q[2] - start[2] - q[4] + start[4]]
+            )
             stretch = cable - np.clip(cable, -p["backlash"] / 2, p["backlash"] / 2)
             give = RADIUS * w - np.stack([v[2] + v[4], v[2] - v[4]])
             force = stiffness * stretch + slack * give
@@ -216,7 +223,9 @@ def _logged(
 ) -> Campaign:
     counts = float(random.choice([26624, 26624, 8192, 65536, 40000]))
     clock = random.choice(["zero", "stated", "unknown"], p=[0.75, 0.15, 0.1])
-    offset = {"zero": 0.0, "stated": 0.012, "unknown": float(random.uniform(-0.03, 0.03))}[clock]
+    offset = {"zero": 0.0, "stated": 0.012, "unknown": float(random.uniform(-0.03, 0.03))}[
+        clock
+    ]
     habits = _Habits(
         counts=counts,
         offset=offset,

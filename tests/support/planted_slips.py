@@ -16,7 +16,9 @@ Change = Callable[[Run], Run]
 Plant = Callable[[Campaign, np.random.Generator], Campaign]
 
 
-def each_run(campaign: Campaign, change: Change, names: Sequence[str] | None = None) -> Campaign:
+def each_run(
+    campaign: Campaign, change: Change, names: Sequence[str] | None = None
+) -> Campaign:
     runs = tuple(
         change(run) if names is None or run.name in names else run for run in campaign.runs
     )
@@ -51,7 +53,9 @@ def volts(factor: float, columns: Sequence[int] = (0, 1)) -> Change:
     return change
 
 
-def places(factor: float, columns: Sequence[int] = (X, Q3, Q4, Y), shift: float = 0.0) -> Change:
+def places(
+    factor: float, columns: Sequence[int] = (X, Q3, Q4, Y), shift: float = 0.0
+) -> Change:
     def change(run: Run) -> Run:
         if run.camera is None:
             return run
@@ -341,14 +345,18 @@ PLANTED: dict[str, tuple[str, Plant]] = {
     "voltage 2 in one run": ("sign.voltage_2", in_one(volts(-1, (1,)), steps)),
     "y downwards in one run": (
         "sign.y_e",
-        in_one(MIRROR_Y, lambda c: [n for n in moving_runs(c) if n[:4] in ("0003", "0004", "0006")]),
+        in_one(
+            MIRROR_Y, lambda c: [n for n in moving_runs(c) if n[:4] in ("0003", "0004", "0006")]
+        ),
     ),
     "degrees in one run": ("unit.alpha", in_one(angles(1 / RAD))),
     "ms in one run": ("unit.time_camera", in_one(times(of_camera=1e3))),
     "offset in one run": ("clock.offset", in_one(times(shift=0.15))),
     "carriages in one run": (
         "swap.carriages",
-        in_one(swap_carriages, lambda c: [n for n in moving_runs(c) if n[:4] in ("0001", "0002")]),
+        in_one(
+            swap_carriages, lambda c: [n for n in moving_runs(c) if n[:4] in ("0001", "0002")]
+        ),
     ),
 }
 """Identifier and planting of each slip, by what it is."""
@@ -359,3 +367,14 @@ def counter(campaign: Campaign, random: np.random.Generator) -> Campaign:
 
 
 PLANTED["wraps at 2^16"] = ("wrap.alpha", counter)
+
+
+def applies(identifier: str, campaign: Campaign) -> bool:
+    """Whether a slip of this kind is one in this campaign: nothing stated can't be wrong."""
+    if identifier == "clock.offset":
+        return campaign.runs[0].clock_offset is not None
+    if identifier in ("knock.missing", "knock.wrong"):
+        return any(run.knock is not None for run in campaign.runs)
+    if identifier == "pose.outside":
+        return any(run.initial is not None for run in campaign.runs)
+    return True
