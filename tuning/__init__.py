@@ -18,8 +18,8 @@ from tuning.regions.schedule import schedule_of as schedule_of
 from tuning.regions.schedule import scheduled_samples as scheduled_samples
 from tuning.result.document import read_tuning as read_tuning
 from tuning.result.document import write_tuning as write_tuning
-from tuning.result.types import RegionalShaper as RegionalShaper
-from tuning.result.types import Tuning as Tuning
+from tuning.result.regional_shaper import RegionalShaper as RegionalShaper
+from tuning.result.tuning import Tuning as Tuning
 from tuning.shapers.catalogue import CATALOGUE as CATALOGUE
 from tuning.shapers.catalogue import UNITY_MAGNITUDE as UNITY_MAGNITUDE
 from tuning.shapers.catalogue import ei as ei

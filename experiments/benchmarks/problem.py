@@ -5,9 +5,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.robot.dynamics import State, rest
-from scdpr_jax.robot.parameters import Robot, replace
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import State, rest
 
 FREE = ("friction_coefficient", "drive_inertia", "drive_damping", "effective_pretension")
 """What differs from run to run, and what Jacobians and fits are by."""

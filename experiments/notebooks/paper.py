@@ -128,7 +128,7 @@ def _(mo, np):
 def _(mo):
     from collections import Counter
 
-    from experiments.paper.every_claim import CLAIMS
+    from experiments.paper.catalogue import CLAIMS
 
     counted = Counter(claim.verdict.value for claim in CLAIMS)
     verdicts = "\n".join(f"- {count} {verdict}" for verdict, count in counted.items())

@@ -1,6 +1,7 @@
 """Tables and sentences in a terminal."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 from rich.console import Console
 from rich.table import Table
@@ -9,27 +10,33 @@ from rich.text import Text
 from experiments.page.table import Table as PlainTable
 
 
-def rich_table(plain_table: PlainTable) -> Table:
-    """A report's table for the terminal.
+def print_table(
+    console: Console, table: PlainTable, *, styles: Mapping[str, str] = MappingProxyType({})
+) -> None:
+    """Print a table.
 
     Args:
-        plain_table: The table.
-
-    Returns:
-        The same, its first column to the left and the others to the right.
+        console: Where to print it.
+        table: The table.
+        styles: Styles of cells by what stands in them.
     """
+    console.print(_rich_table(table, styles))
+
+
+def _rich_table(plain_table: PlainTable, styles: Mapping[str, str]) -> Table:
     table = Table(
-        title=plain_table.title,
+        title=plain_table.title or None,
         title_justify="left",
         box=None,
         pad_edge=False,
         header_style="bold",
     )
     for index, name in enumerate(plain_table.header):
+        side = "left" if index in plain_table.words else "right"
         # A word that is too long for its column goes on below: nothing is cut.
-        table.add_column(Text(name), justify="right" if index else "left", overflow="fold")
+        table.add_column(Text(name), justify=side, overflow="fold")
     for row in plain_table.rows:
-        table.add_row(*(Text(cell) for cell in row))
+        table.add_row(*(Text(cell, style=styles.get(cell, "")) for cell in row))
     return table
 
 

@@ -1,14 +1,17 @@
 """A table as it is printed, whoever prints it."""
 
-from typing import NamedTuple
+import dataclasses
 
 
-class Table(NamedTuple):
-    """A table of a report, its numbers as they are printed."""
+@dataclasses.dataclass(frozen=True)
+class Table:
+    """A table of a report or of the terminal, its numbers as they are printed."""
 
     title: str
-    """What it is about."""
+    """What it is about; empty for none."""
     header: tuple[str, ...]
-    """Names of the columns."""
+    """Names of the columns, units included."""
     rows: tuple[tuple[str, ...], ...]
     """The lines."""
+    words: tuple[int, ...] = (0,)
+    """Columns of words, which begin at the left; numbers end at the right."""

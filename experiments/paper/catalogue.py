@@ -1,39 +1,60 @@
-"""Everything that `scdpr reproduce` can reproduce, in the paper's order."""
+"""The topics of the paper in its order: all that `scdpr reproduce` computes and judges."""
 
 import difflib
 from collections.abc import Sequence
 
 from experiments.paper import contradictions
-from experiments.paper.content import Section
-from experiments.paper.topics.breakaway import section as breakaway
-from experiments.paper.topics.explanation import section as explanation
-from experiments.paper.topics.knocks import section as knocks
-from experiments.paper.topics.loop import section as loop
-from experiments.paper.topics.manoeuvres import section as manoeuvres
-from experiments.paper.topics.open_loop import section as open_loop
-from experiments.paper.topics.prototype import section as prototype
-from experiments.paper.topics.smoothing import section as smoothing
-from experiments.paper.topics.stiffness import section as stiffness_map
-from experiments.paper.topics.tensioning import section as tensioning
-from experiments.paper.topics.validity import section as validity
-from experiments.paper.topics.workspaces import section as workspaces
-
-SECTIONS: tuple[Section, ...] = (
-    *contradictions.SECTIONS,
-    *prototype.SECTIONS,
-    *workspaces.SECTIONS,
-    *breakaway.SECTIONS,
-    *knocks.SECTIONS,
-    *open_loop.SECTIONS,
-    *loop.SECTIONS,
-    *manoeuvres.SECTIONS,
-    *validity.SECTIONS,
-    *smoothing.SECTIONS,
-    *tensioning.SECTIONS,
-    *stiffness_map.SECTIONS,
-    *explanation.SECTIONS,
+from experiments.paper.claim import Claim
+from experiments.paper.content import Section, Topic
+from experiments.paper.topics import (
+    breakaway,
+    explanation,
+    knocks,
+    loop,
+    manoeuvres,
+    open_loop,
+    prototype,
+    smoothing,
+    stiffness,
+    tensioning,
+    validity,
+    workspaces,
 )
+
+TOPICS: tuple[Topic, ...] = (
+    Topic(contradictions.SECTIONS),
+    Topic(prototype.SECTIONS, prototype.CLAIMS),
+    Topic(workspaces.SECTIONS, workspaces.CLAIMS),
+    Topic(breakaway.SECTIONS, breakaway.CLAIMS),
+    Topic(knocks.SECTIONS, knocks.CLAIMS),
+    Topic(open_loop.SECTIONS, open_loop.CLAIMS),
+    Topic(loop.SECTIONS, loop.CLAIMS),
+    Topic(manoeuvres.SECTIONS, manoeuvres.CLAIMS),
+    Topic(validity.SECTIONS),
+    Topic(smoothing.SECTIONS, smoothing.CLAIMS),
+    Topic(tensioning.SECTIONS, tensioning.CLAIMS),
+    Topic(stiffness.SECTIONS, stiffness.CLAIMS),
+    Topic(explanation.SECTIONS),
+)
+"""Every topic; what our own documentation says of smoothed friction is one of them."""
+
+SECTIONS: tuple[Section, ...] = tuple(part for topic in TOPICS for part in topic.sections)
 """Every section of the report."""
+
+CLAIMS: tuple[Claim, ...] = tuple(claim for topic in TOPICS for claim in topic.claims)
+"""Every claim."""
+
+
+def of_section(name: str) -> tuple[Claim, ...]:
+    """The claims of a section of the report.
+
+    Args:
+        name: The section's name.
+
+    Returns:
+        Its claims, in the paper's order.
+    """
+    return tuple(claim for claim in CLAIMS if claim.section == name)
 
 
 def chosen(names: Sequence[str]) -> tuple[Section, ...]:

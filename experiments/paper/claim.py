@@ -1,9 +1,9 @@
 """A number that the paper prints, what this software makes of it, and the verdict."""
 
+import dataclasses
 import enum
 import math
 from collections.abc import Callable
-from typing import NamedTuple
 
 
 class Verdict(enum.Enum):
@@ -19,7 +19,8 @@ class Verdict(enum.Enum):
     """Outside the tolerance, for the reason that is told."""
 
 
-class Claim(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Claim:
     """One printed number with the verdict on it."""
 
     section: str

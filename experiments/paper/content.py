@@ -1,23 +1,15 @@
-"""What a section of the report is made of."""
+"""What the report is made of: topics, their sections, and what these say and show."""
 
+import dataclasses
 from collections.abc import Callable
-from typing import NamedTuple
 
 from experiments.page.page import Picture, Pictures
+from experiments.page.table import Table
+from experiments.paper.claim import Claim
 
 
-class Table(NamedTuple):
-    """A table of a section."""
-
-    title: str
-    """What it shows."""
-    header: tuple[str, ...]
-    """Names of its columns, units included."""
-    rows: tuple[tuple[str, ...], ...]
-    """Its cells."""
-
-
-class Content(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Content:
     """What a section says and shows."""
 
     sentences: tuple[str, ...]
@@ -28,7 +20,8 @@ class Content(NamedTuple):
     """Its tables."""
 
 
-class Section(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Section:
     """A table, figure or question of the paper."""
 
     name: str
@@ -39,3 +32,13 @@ class Section(NamedTuple):
     """How long it takes about, two cores and compiled functions at hand [s]."""
     build: Callable[[Pictures], Content]
     """What computes and draws it."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Topic:
+    """Something that the paper is about."""
+
+    sections: tuple[Section, ...]
+    """Its sections of the report."""
+    claims: tuple[Claim, ...] = ()
+    """What is printed of it, and judged."""

@@ -1,13 +1,15 @@
 """Where the paper's numbers contradict each other, one line each, to check by hand."""
 
+import dataclasses
 import math
-from typing import NamedTuple
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 
 
-class Contradiction(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Contradiction:
     """Two numbers of the paper that should be one."""
 
     sum: str

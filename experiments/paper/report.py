@@ -2,24 +2,25 @@
 
 import collections
 import csv
+import dataclasses
 import io
 import pathlib
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
 from experiments.page.number_text import readable_unit, short
 from experiments.page.page import Pictures, page, versions
+from experiments.paper.catalogue import of_section
 from experiments.paper.claim import Claim, Verdict
 from experiments.paper.content import Content, Section
-from experiments.paper.every_claim import of_section
 from scdpr_jax.numerics.files import write_whole
 
 _PNG_DPI = 75  # a column of the documentation, and files of some 50 kB
 
 
-class Judged(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Judged:
     """A claim with what was computed for it."""
 
     claim: Claim
@@ -43,7 +44,8 @@ class Judged(NamedTuple):
         return "" if self.claim.unit == "1" else readable_unit(self.claim.unit)
 
 
-class Reproduced(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Reproduced:
     """A section, computed and drawn."""
 
     section: Section

@@ -7,13 +7,13 @@ from rich.console import Console
 
 from experiments.figures.tuning.margin_curves import margin_curves
 from experiments.figures.tuning.pareto import pareto
-from experiments.page.console_text import print_lines, rich_table
+from experiments.page.console_text import print_lines, print_table
 from experiments.page.number_text import plain, short
 from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
-from experiments.reports.tuning_section import worst_margins_sentence
-from experiments.studies.codesign_run import DESIGNED, CoDesign
-from tuning.codesign import Designed
+from experiments.studies.findings.tuning import worst_margins_sentence
+from tuning.codesign import CoDesign, Designed
+from tuning.codesign.recommendation import DESIGNED
 from tuning.loop.admissible import PEAK_SENSITIVITY, PHASE_MARGIN
 from tuning.loop.worst_margins import margin_map
 
@@ -63,7 +63,7 @@ def sentences(found: CoDesign) -> list[str]:
             f"Height {phase.height:.2f} m at {phase.pretension:g} N decides how stiff the "
             f"drives may be ({phase.loop})."
         )
-    rest, before = (np.mean(one.found.resting_error) for one in (held[DESIGNED], alone))
+    rest, before = (np.mean(one.measures.resting_error) for one in (held[DESIGNED], alone))
     if rest > before:
         lines.append(
             f"It rests further from the target than with Eq. (25): {_mm(rest)} mm on average "
@@ -136,16 +136,16 @@ def _figures(title: str, named: Mapping[str, tuple[Designed, ...]]) -> Table:
 
 
 def _row(one: Designed) -> tuple[str, ...]:
-    found = one.found
+    measures = one.measures
     return (
         plain(one.move_time, 3),
         _mm(one.vibration),
-        _mm(np.max(found.vibration)),
-        _mm(np.mean(found.vibration)),
-        _mm(np.mean(found.resting_error)),
-        _mm(np.max(found.resting_error)),
-        plain(1e3 * float(np.max(found.largest_error)), 3),
-        plain(float(np.max(found.largest_voltage)), 3),
+        _mm(np.max(measures.residual_vibration)),
+        _mm(np.mean(measures.residual_vibration)),
+        _mm(np.mean(measures.resting_error)),
+        _mm(np.max(measures.resting_error)),
+        plain(1e3 * float(np.max(measures.largest_error)), 3),
+        plain(float(np.max(measures.largest_voltage)), 3),
     )
 
 
@@ -161,7 +161,7 @@ def show(console: Console, found: CoDesign) -> None:
         found: The co-design.
     """
     for table in tables(found):
-        console.print(rich_table(table))
+        print_table(console, table)
     print_lines(console, sentences(found))
 
 
@@ -175,9 +175,9 @@ def codesign_page(found: CoDesign, *, name: str) -> str:
     Returns:
         HTML.
     """
-    picture, asked = Pictures(), found.asked
-    columns, rows = asked.grid
-    settings = ", ".join(f"{setting:g} N" for setting in asked.settings)
+    picture, scope = Pictures(), found.scope
+    columns, rows = scope.grid
+    settings = ", ".join(f"{setting:g} N" for setting in scope.settings)
     return page(
         "findings.html.j2",
         title="Co-design of gains, shaper and leg",
@@ -206,7 +206,7 @@ def codesign_page(found: CoDesign, *, name: str) -> str:
             ("parameters", name),
             ("poses", f"{columns} x {rows}"),
             ("settings", settings),
-            ("samples", f"{asked.samples}, seed {asked.seed}"),
+            ("samples", f"{scope.samples}, seed {scope.seed}"),
             *versions(),
         ],
     )

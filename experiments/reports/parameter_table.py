@@ -1,18 +1,19 @@
 """The table of parameters: what was estimated, how sure, and beside the truth."""
 
+import dataclasses
 import math
-from typing import NamedTuple
+from collections.abc import Sequence
 
 from experiments.page.coordinates import plain_symbol
 from experiments.page.number_text import percent, readable_unit, rounded
+from experiments.page.table import Table
+from experiments.studies.findings.parameters import inside
 from identification.judge.uncertainty import ParameterEstimate, half_width, magnitude
-from scdpr_jax.robot.parameters import EVERY_QUANTITY
-
-COVERED = 0.997
-"""Level of the interval that the truth is looked for in [1]."""
+from scdpr_jax.robot.quantities import EVERY_QUANTITY
 
 
-class Row(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Row:
     """A parameter's line, its numbers as they are printed."""
 
     name: str
@@ -80,18 +81,26 @@ def parameter_row(
     )
 
 
-def inside(parameter: ParameterEstimate, truth: float) -> bool:
-    """Whether a parameter's 99.7 % interval covers the truth.
+def parameters_table(rows: Sequence[Row], *, with_truth: bool) -> Table:
+    """The table of parameters for a terminal.
 
     Args:
-        parameter: The parameter.
-        truth: The true value [SI].
+        rows: The parameters' lines.
+        with_truth: Whether to set the truth beside them.
 
     Returns:
-        Whether it does.
+        The table.
     """
-    low, high = parameter.interval(COVERED)
-    return low <= truth <= high
+    header = ("quantity", "setting", "value", "95 % from", "to", "unit", "±", "status")
+    truth = ("truth", "error", "inside 99.7 %")
+    lines = []
+    for row in rows:
+        line = (row.name, row.setting, row.value, row.low, row.high, row.unit, row.relative)
+        known = (row.truth, row.error, row.covered) if with_truth else ()
+        lines.append((*line, row.status, *known))
+    return Table(
+        "", (*header, *(truth if with_truth else ())), tuple(lines), words=(0, 1, 5, 7, 10)
+    )
 
 
 def signed_percent(share: float) -> str:

@@ -4,12 +4,13 @@ import numpy as np
 from rich.console import Console
 
 from experiments.figures.tuning.leg import leg
-from experiments.page.console_text import print_lines, rich_table
+from experiments.page.console_text import print_lines, print_table
 from experiments.page.number_text import plain
 from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
-from experiments.studies.planned_leg import SETTLED, SIDES, Compared, LegFigures
-from tuning.plan.plan_file import Plan
+from experiments.studies.planned_leg import SIDES, Compared
+from scdpr_jax.legs.measures import SETTLED, LegMeasures
+from tuning.plan.plan import Plan
 
 _METHOD = (
     "A plan is the motion of the lower carriage and of the height, with the commands that it "
@@ -35,19 +36,19 @@ def sentences(plan: Plan, compared: Compared, *, voltage_limit: float) -> list[s
     Returns:
         Sentences.
     """
-    before, after = compared.plain[0].figures, compared.planned[0].figures
-    left = [run.figures.vibration for run in compared.planned]
+    before, after = compared.plain[0].measures, compared.planned[0].measures
+    left = [run.measures.residual_vibration for run in compared.planned]
     worst = int(np.argmax(left))
     lines = [
         f"In {plain(plan.time[-1], 3)} s from {_place(plan.position[0])} to "
         f"{_place(plan.position[-1])}: after it the end-effector vibrates "
-        f"{_mm(after.vibration)} mm and rests {_mm(after.resting_error)} mm from the target, "
-        f"against {_mm(before.vibration)} mm and {_mm(before.resting_error)} mm by the plain "
-        "profile.",
+        f"{_mm(after.residual_vibration)} mm and rests {_mm(after.resting_error)} mm from "
+        f"the target, against {_mm(before.residual_vibration)} mm and "
+        f"{_mm(before.resting_error)} mm by the plain profile.",
         f"Of the robots that it was made for, that which vibrates the most does so by "
         f"{_mm(left[worst])} mm ({compared.names[worst]}).",
     ]
-    if max(run.figures.largest_voltage for run in compared.planned) >= voltage_limit:
+    if max(run.measures.largest_voltage for run in compared.planned) >= voltage_limit:
         lines.append(
             f"SHORT of what is asked: the drives come to their limit of {voltage_limit:g} V, "
             "and a saturated drive doesn't follow. Give the leg more time, `--leg-time`."
@@ -75,7 +76,7 @@ def tables(compared: Compared) -> tuple[Table, Table]:
             "largest command [V]",
         ),
         tuple(
-            (name, *_cells(runs[0].figures))
+            (name, *_cells(runs[0].measures))
             for name, runs in zip(SIDES, (compared.plain, compared.planned), strict=True)
         ),
     )
@@ -91,12 +92,14 @@ def tables(compared: Compared) -> tuple[Table, Table]:
         tuple(
             (
                 name,
-                _mm(before.figures.vibration),
-                _mm(after.figures.vibration),
-                _mm(before.figures.resting_error),
-                _mm(after.figures.resting_error),
+                _mm(before.measures.residual_vibration),
+                _mm(after.measures.residual_vibration),
+                _mm(before.measures.resting_error),
+                _mm(after.measures.resting_error),
             )
-            for name, before, after in zip(*compared, strict=True)
+            for name, before, after in zip(
+                compared.names, compared.plain, compared.planned, strict=True
+            )
         ),
     )
     return fitted, others
@@ -112,7 +115,7 @@ def show(console: Console, plan: Plan, compared: Compared, *, voltage_limit: flo
         voltage_limit: Largest command of either sign [V].
     """
     for table in tables(compared):
-        console.print(rich_table(table))
+        print_table(console, table)
     print_lines(console, sentences(plan, compared, voltage_limit=voltage_limit))
 
 
@@ -152,17 +155,17 @@ def plan_page(plan: Plan, compared: Compared, *, voltage_limit: float, tuning: s
     )
 
 
-def _cells(one: LegFigures) -> tuple[str, ...]:
+def _cells(leg: LegMeasures) -> tuple[str, ...]:
     return (
-        _mm(one.vibration),
-        _mm(one.resting_error),
-        "never" if np.isnan(one.settled) else f"{one.settled:.3f}",
-        f"{1e3 * one.largest_error:.1f}",
-        f"{one.largest_voltage:.2f}",
+        _mm(leg.residual_vibration),
+        _mm(leg.resting_error),
+        "never" if np.isnan(leg.settling_time) else f"{leg.settling_time:.3f}",
+        f"{1e3 * leg.largest_original_error:.1f}",
+        f"{leg.largest_voltage:.2f}",
     )
 
 
-def _mm(length: float) -> str:
+def _mm(length: float | np.ndarray) -> str:
     return f"{1e3 * length:.2f}"
 
 

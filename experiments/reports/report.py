@@ -12,34 +12,36 @@ import numpy as np
 from experiments.figures.identification.correlation import correlation
 from experiments.figures.identification.fit_overview import fit_overview
 from experiments.figures.identification.frequency_map import (
-    ModelCurve,
     frequency_map,
     frequency_over_height,
-    model_curve,
 )
 from experiments.figures.identification.intervals import intervals, shown_name
 from experiments.figures.identification.residuals import residuals
-from experiments.figures.identification.ring_down import decay_of, ring_down_figure
+from experiments.figures.identification.ring_down import ring_down_figure
 from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_view import robot_view, shown_instants
-from experiments.page.number_text import percent, plain, rounded
+from experiments.page.number_text import percent, plain
 from experiments.page.page import Picture, Pictures, page, versions
+from experiments.page.table import Table
 from experiments.reports.drive_report import write_drive_report as write_drive_report
-from experiments.reports.influence_section import influence_sentences, influence_tables
-from experiments.reports.measured_section import measured_tables
-from experiments.reports.model_section import model_tables, moved_table, told_combinations
+from experiments.reports.influence_tables import influence_tables
+from experiments.reports.knock_table import knock_table_with_fft
+from experiments.reports.model_tables import measured_tables, model_tables, moved_table
 from experiments.reports.parameter_table import parameter_row
-from experiments.reports.tuning_section import TuningSection, tuning_section
-from experiments.reports.verdict import estimated, predictions, words
+from experiments.reports.tuning_section import tuning_pictures, tuning_tables
+from experiments.studies.findings import Findings
+from experiments.studies.findings.influence import influence_sentences
+from experiments.studies.findings.models import combination_sentences
+from experiments.studies.findings.parameters import estimated
+from experiments.studies.findings.predictions import Prediction
+from experiments.studies.findings.tuning import TuningFindings
 from identification.campaign.types import Campaign
 from identification.fit.comparison import Comparison
 from identification.fit.starts import Valley
 from identification.judge.uncertainty import covariance
-from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
 from scdpr_jax.numerics.files import write_whole
-from scdpr_jax.robot.parameters import Robot, value
-from tuning.result.types import Tuning
+from scdpr_jax.robot.quantities import value
 
 RUNS_DRAWN = 8
 """Runs that are drawn one by one: more would make the page heavy without telling more."""
@@ -47,62 +49,62 @@ RUNS_DRAWN = 8
 
 def write_report(
     path: pathlib.Path,
+    findings: Findings,
     *,
     title: str,
-    campaign: Campaign,
-    estimate: Estimate,
-    frequencies: FrequencyMap | None,
-    tuning: Tuning | None,
     truth: dict[str, float] | None,
-    notes: Sequence[str],
 ) -> None:
     """Write the report of a calibration, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
+        findings: What the calibration comes to; it has its campaign.
         title: Its title.
-        campaign: The campaign.
-        estimate: What was found in it.
-        frequencies: Its natural frequencies, None without.
-        tuning: Gains and shapers, None without.
         truth: True values by name [SI], where they are known.
-        notes: What a reader should know besides, a sentence each.
 
     Raises:
         OSError: If the place can't be written to.
     """
-    picture = Pictures()
+    picture, words = Pictures(), findings.words
+    campaign, estimate = findings.campaign, findings.estimate
+    frequencies, tuning = findings.frequencies, findings.tuning
     drawn, left_out = runs_to_draw(estimate.comparisons)
     text = page(
         "report.html.j2",
         title=title,
         campaign=campaign,
-        words=words(campaign, estimate, frequencies=frequencies, tuned=tuning is not None),
-        notes=tuple(notes),
+        words=words,
+        found=words.found + _tuning_sentences(tuning),
+        notes=findings.notes,
         rows=[parameter_row(parameter, truth=truth) for parameter in estimated(estimate)],
         fixed=[parameter_row(p) for p in estimate.parameters if p.status == "fixed"],
         with_truth=bool(truth),
         parameter_pictures=list(_parameter_pictures(estimate, truth, picture)),
         fit_pictures=list(_fit_pictures(estimate, picture)),
-        predictions=_predictions(estimate),
-        model_tables=(*measured_tables(estimate), *model_tables(estimate)),
+        predictions=_predictions(findings.predictions),
+        model_tables=(*measured_tables(findings.measured), *model_tables(estimate)),
         moved=moved_table(estimate.identifiability),
-        combinations=told_combinations(estimate.identifiability),
-        influence_words=influence_sentences(estimate),
+        combinations=combination_sentences(estimate.identifiability),
+        influence_words=influence_sentences(findings.influence),
         influence_tables=influence_tables(estimate),
-        knocks=[] if frequencies is None else _knocks(frequencies),
-        map_pictures=(
-            []
-            if frequencies is None
-            else list(_map_pictures(campaign, estimate, frequencies, picture))
+        knocks=None if frequencies is None else knock_table_with_fft(frequencies),
+        map_pictures=[] if frequencies is None else list(_map_pictures(findings, picture)),
+        tuning_tables=() if tuning is None else tuning_tables(tuning.tuning),
+        tuning_pictures=(
+            ()
+            if tuning is None
+            else tuning_pictures(tuning, robot=estimate.robot, picture=picture)
         ),
-        tuning=_tuning(tuning, estimate.robot, picture),
         runs=[_run(campaign, comparison, picture) for comparison in drawn],
         not_drawn=[comparison.name for comparison in left_out],
         method=method_notes(),
         provenance=_provenance(campaign, estimate),
     )
     write_whole(pathlib.Path(path), text)
+
+
+def _tuning_sentences(tuning: TuningFindings | None) -> tuple[str, ...]:
+    return () if tuning is None else (*tuning.sentences, *tuning.between_the_cells)
 
 
 def runs_to_draw(
@@ -214,69 +216,24 @@ def _fit_pictures(estimate: Estimate, picture: Pictures) -> Iterator[Picture]:
         )
 
 
-def _predictions(estimate: Estimate) -> list[dict[str, str]]:
-    return [
-        {
-            "run": one.run,
-            "error": plain(1e3 * one.error),
-            "largest": plain(1e3 * one.largest),
-            "motion": plain(1e3 * one.motion, 4),
-            "share": percent(one.share),
-        }
-        for one in predictions(estimate)
-    ]
-
-
-def _knocks(frequencies: FrequencyMap) -> list[dict[str, str]]:
-    rows = []
-    for row, run in enumerate(frequencies.runs):
-        sigma = float(frequencies.frequency_sigma[row])
-        damping_sigma = float(frequencies.damping_ratio_sigma[row])
-        noise = bool(frequencies.residuals_are_noise[row])
-        rows.append(
-            {
-                "run": run,
-                "x": f"{1e3 * float(frequencies.x[row]):.1f}",
-                "y": f"{1e3 * float(frequencies.y[row]):.1f}",
-                "pretension": f"{float(frequencies.pretension[row]):g}",
-                "frequency": rounded(float(frequencies.frequency[row]), sigma),
-                "frequency_sigma": rounded(sigma, sigma),
-                "fft": rounded(float(frequencies.fft_frequency[row]), 1e-2),
-                "damping": rounded(float(frequencies.damping_ratio[row]), damping_sigma),
-                "damping_sigma": rounded(damping_sigma, damping_sigma),
-                "residuals": "noise" if noise else "more than noise",
-            }
+def _predictions(predictions: Sequence[Prediction]) -> Table:
+    header = ("run", "error, rms [mm]", "largest [mm]", "motion [mm]", "rms over motion")
+    rows = tuple(
+        (
+            prediction.run,
+            plain(1e3 * prediction.error),
+            plain(1e3 * prediction.largest),
+            plain(1e3 * prediction.motion, 4),
+            percent(prediction.share),
         )
-    return rows
+        for prediction in predictions
+    )
+    return Table("", header, rows)
 
 
-def model_curves(
-    campaign: Campaign, estimate: Estimate, frequencies: FrequencyMap
-) -> dict[float, ModelCurve]:
-    """The model's natural frequencies at the settings that were both knocked and fitted.
-
-    Args:
-        campaign: The campaign.
-        estimate: What was found in it.
-        frequencies: The measured frequencies.
-
-    Returns:
-        Curves over the height by nominal pretension [N].
-    """
-    fitted = {p.setting for p in estimate.parameters if p.name == "effective_pretension"}
-    curves = {}
-    for run in campaign.runs:
-        known = run.pretension_label in fitted or None in fitted
-        measured = run.pretension in frequencies.pretension
-        if known and measured and run.pretension not in curves:
-            curves[run.pretension] = model_curve(estimate.of_setting(run.pretension_label))
-    return curves
-
-
-def _map_pictures(
-    campaign: Campaign, estimate: Estimate, frequencies: FrequencyMap, picture: Pictures
-) -> Iterator[Picture]:
-    frame = tuple(float(value(estimate.robot, f"frame_{side}")) for side in ("width", "height"))
+def _map_pictures(findings: Findings, picture: Pictures) -> Iterator[Picture]:
+    frequencies, robot = findings.frequencies, findings.estimate.robot
+    frame = tuple(float(value(robot, f"frame_{side}")) for side in ("width", "height"))
     yield picture(
         frequency_map(
             frequencies, size=frame, settings=sorted(set(frequencies.pretension.tolist()))
@@ -286,33 +243,19 @@ def _map_pictures(
         "amplitude.",
     )
     yield picture(
-        frequency_over_height(frequencies, model_curves(campaign, estimate, frequencies)),
+        frequency_over_height(frequencies, findings.model_curves),
         "The same beside the fitted model with both carriages held by friction. Points on a "
         "curve: the pretension that the motion asks for also explains the vibration. Points "
         "off both curves: something else holds the carriages, or the model lacks a compliance.",
         narrow=True,
     )
-    for name in frequencies.runs[:RUNS_DRAWN]:
-        run = next((run for run in campaign.runs if run.name == name), None)
-        if run is None or run.camera is None or run.knock is None:
-            continue
-        try:
-            decay = decay_of(run, noise_sigma=campaign.sensors.camera_position_sigma)
-        except ValueError:
-            # A map read from a file may name a knock that rings in another campaign only.
-            continue
+    for decay in findings.decays:
         yield picture(
-            ring_down_figure(run, decay),
-            f"Run {name}: the free vibration after the knock, and its spectrum with the "
+            ring_down_figure(decay),
+            f"Run {decay.run}: the free vibration after the knock, and its spectrum with the "
             "fitted frequency (solid) and the highest peak (dotted). The red line should go "
             "through the dots.",
         )
-
-
-def _tuning(tuning: Tuning | None, robot: Robot, picture: Pictures) -> TuningSection | None:
-    if tuning is None:
-        return None
-    return tuning_section(tuning, robot=robot, picture=picture)
 
 
 def _run(campaign: Campaign, comparison: Comparison, picture: Pictures) -> dict[str, Any]:

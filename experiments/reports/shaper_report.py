@@ -3,18 +3,18 @@
 import numpy as np
 from rich.console import Console
 
-from experiments.figures.tuning.shaper_response import NamedShaper
 from experiments.figures.tuning.spectrum import duration_against_vibration, shaped_spectrum
-from experiments.files.shaper_file import ACCELERATION
-from experiments.files.spectrum_file import SpectrumFile
-from experiments.page.console_text import print_lines, rich_table
+from experiments.page.console_text import print_lines, print_table
 from experiments.page.number_text import percent, plain
 from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
+from experiments.studies.findings.tuning import NamedShaper
 from scdpr_jax.command.shaper import Shaper
 from tuning.shapers.measures import smoothing
+from tuning.shapers.shaper_file import ACCELERATION
 from tuning.shapers.spectrum import THRESHOLD
 from tuning.shapers.spectrum_design import SpectrumDesign
+from tuning.shapers.spectrum_file import SpectrumFile
 
 _METHOD = (
     "Vibration left is Σ max(V·P − P_max/20, 0) / Σ max(P − P_max/20, 0): P is the measured "
@@ -115,7 +115,7 @@ def show(console: Console, design: SpectrumDesign) -> None:
         design: The design.
     """
     for table in tables(design):
-        console.print(rich_table(table))
+        print_table(console, table)
     print_lines(console, sentences(design))
 
 

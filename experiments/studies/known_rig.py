@@ -6,14 +6,15 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from experiments.files.parameters_file import FittedRobot, Parameter, Residual
 from identification.campaign.types import Sensors
 from identification.fit.comparison import CAMERA, ENCODERS
 from identification.fit.misfit import ERROR_TIME
 from identification.fit.unknowns.unknowns import PER_SETTING, encode
-from identification.judge.uncertainty import magnitude
+from identification.judge.uncertainty import ParameterEstimate, magnitude
 from identification.next_run.expected_information import FRAME_RATE, Rig, rig_errors
-from scdpr_jax.robot.parameters import Robot, quantity
+from identification.result.fitted_robot import FittedRobot, Residual
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity
 
 UNTOLD = math.log(2)
 """Standard error over the size that stands for one that nothing tells [1]: a factor of 2."""
@@ -36,8 +37,8 @@ def known_rig(
     Raises:
         ValueError: If nothing was estimated, or the setting isn't known.
     """
-    rows = [row for row in found.parameters if row.status != "fixed"]
-    if not rows or found.correlation is None or len(found.correlation.matrix) != len(rows):
+    rows = found.estimated
+    if not rows or found.correlation is None:
         raise ValueError(
             f"the parameters' uncertainty isn't known, got {len(rows)} estimated parameters "
             "and no correlation of that size. Give a parameters.json that `scdpr identify` "
@@ -54,7 +55,7 @@ def known_rig(
     ]
     kept = [rows[k] for k in at]
     sigma = np.array([_spread(row) for row in kept])
-    correlation = np.array(found.correlation.matrix)[np.ix_(at, at)]
+    correlation = found.correlation[np.ix_(at, at)]
     noise = _typical([r for r in found.residuals if r.channel in ENCODERS], "noise_sigma")
     return Rig(
         robot=robot,
@@ -134,10 +135,10 @@ def _typical(left: Sequence[Residual], name: str) -> float:
     return float(np.median([getattr(one, name) for one in left])) if left else 0.0
 
 
-def _spread(row: Parameter) -> float:
+def _spread(row: ParameterEstimate) -> float:
     """Standard error of a quantity as a fit holds it."""
     size = row.value if quantity(row.name).positive else 1.0
-    if row.sigma is not None and row.sigma > 0:
+    if 0 < row.sigma < math.inf:
         return row.sigma / size
     return UNTOLD * magnitude(row.name, row.value) / size
 

@@ -23,7 +23,8 @@ from identification.next_run.next_experiment import (
     sharpest,
     stacked,
 )
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
+from scdpr_jax.robot.state import pose
 
 RATE = 1000.0
 """Rate of the voltage table [Hz]."""
@@ -160,7 +161,7 @@ def _moved(rig: Rig, candidate: Candidate) -> _Moved:
     run = candidate.excitation
     planned = jax.tree.map(lambda leaf: leaf[0], stacked([run], len(run.voltage)))
     states = motion(rig, planned)
-    place, speed = (np.asarray(part)[:, [0, 4]] for part in (states.position, states.velocity))
+    place, speed = (np.asarray(pose(part)) for part in (states.position, states.velocity))
     return _Moved(place.min(axis=0), place.max(axis=0), float(np.max(np.abs(speed))))
 
 

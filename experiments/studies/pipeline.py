@@ -1,44 +1,24 @@
-"""From a campaign to its parameters, frequencies, controller and report."""
+"""From a campaign to its parameters, frequencies, gains and shapers."""
 
 import concurrent.futures
-import dataclasses
-import pathlib
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from experiments.files.parameters_file import write_parameters
-from experiments.reports.report import write_report
 from experiments.runtime import stage
+from experiments.studies.findings import Findings, findings
 from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured
-from identification.knocks.frequency_map import FrequencyMap, frequency_map, write_frequencies
-from identification.result.estimate import Estimate, estimate
+from identification.fit.unknowns.options import DEFAULT_FREE, FitOptions
+from identification.knocks.frequency_map import frequency_map
+from identification.result.estimate import Estimate
+from identification.result.estimation import estimate
 from scdpr_jax.robot.prototype import consistent
-from tuning.export import write_exports
 from tuning.gains.optimise import LEG_TIMES, Effort
 from tuning.gains.tune import prepare, tune
-from tuning.result.document import write_tuning
-from tuning.result.types import Tuning
 
 Progress = Callable[[str, float], None]
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Calibration:
-    """Everything that a campaign gives."""
-
-    campaign: Campaign
-    """The logged runs."""
-    estimate: Estimate
-    """The robot's parameters."""
-    frequencies: FrequencyMap | None
-    """Natural frequencies; None if no knock gives one."""
-    tuning: Tuning
-    """Gains and shapers."""
-    notes: tuple[str, ...]
-    """What a reader should know besides."""
 
 
 def held_out_by_default(campaign: Campaign) -> tuple[str, ...]:
@@ -75,7 +55,7 @@ def calibrate(
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     progress: Progress = lambda doing, share: None,
-) -> Calibration:
+) -> Findings:
     """Parameters, frequencies, gains and shapers of a campaign.
 
     Args:
@@ -91,7 +71,7 @@ def calibrate(
         progress: Told what is being done and which share of it is done.
 
     Returns:
-        The calibration.
+        What the calibration comes to.
 
     Raises:
         ValueError: If the campaign doesn't allow a fit.
@@ -101,19 +81,17 @@ def calibrate(
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
         compiled = aside.submit(prepare, consistent(), leg_times=leg_times, effort=effort)
-        known = {
-            "hold_out": names,
-            "measured": measured,
-            "clock_drifts": clock_drifts,
-            "progress": stage(progress, 0.02, 0.7),
-        }
-        if free is None:
-            found = select(campaign, **known)
-        else:
-            found = estimate(campaign, free=free, **known)
+        options = FitOptions(
+            free=DEFAULT_FREE if free is None else free,
+            hold_out=names,
+            measured=measured,
+            clock_drifts=clock_drifts,
+        )
+        fit = select if free is None else estimate
+        fitted = fit(campaign, options, progress=stage(progress, 0.02, 0.7))
         compiled.result()
     progress("ring-downs", 0.7)
-    notes = _notes(campaign, found)
+    notes = _notes(campaign, fitted)
     frequencies = None
     if any(run.kind == "pseudo_impulse" for run in campaign.runs):
         try:
@@ -122,74 +100,27 @@ def calibrate(
         except ValueError as error:
             notes.append(f"No frequency map: {error}")
     tuned = tune(
-        found,
+        fitted,
         frequencies,
         leg_times=leg_times,
         effort=effort,
         progress=stage(progress, 0.75, 0.95),
     )
-    return Calibration(campaign, found, frequencies, tuned, tuple(notes))
-
-
-def write_calibration(
-    calibration: Calibration, out: pathlib.Path, *, truth: dict[str, float] | None = None
-) -> tuple[pathlib.Path, ...]:
-    """Write everything that a calibration gives, each file whole or not at all.
-
-    Args:
-        calibration: The calibration.
-        out: The folder.
-        truth: True values by name, where they are known.
-
-    Returns:
-        The files, the report first.
-    """
-    report = out / "report.html"
-    parameters = out / "parameters.json"
-    written = [report, parameters]
-    write_parameters(parameters, calibration.estimate)
-    if calibration.frequencies is not None:
-        frequencies = out / "frequencies.csv"
-        write_frequencies(calibration.frequencies, frequencies)
-        written.append(frequencies)
-    written += write_tuned(out, calibration.tuning)
-    write_report(
-        report,
-        title=f"Calibration of {calibration.campaign.name}",
-        campaign=calibration.campaign,
-        estimate=calibration.estimate,
-        frequencies=calibration.frequencies,
-        tuning=calibration.tuning,
-        truth=truth,
-        notes=list(calibration.notes),
+    return findings(
+        fitted,
+        campaign=campaign,
+        frequencies=frequencies,
+        tuning=tuned,
+        notes=tuple(notes),
     )
-    return tuple(written)
 
 
-def write_tuned(out: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, ...]:
-    """Write `tuning.json`, and beside it the tuning as other programs run it.
-
-    Args:
-        out: The folder; the other programs' files go into its `export`.
-        tuning: The tuning.
-
-    Returns:
-        The files, `tuning.json` first.
-
-    Raises:
-        ValueError: If the tuning has no fitted robot, or no shaper.
-    """
-    own = out / "tuning.json"
-    write_tuning(own, tuning)
-    return (own, *write_exports(out / "export", tuning))
-
-
-def _notes(campaign: Campaign, found: Estimate) -> list[str]:
+def _notes(campaign: Campaign, fitted: Estimate) -> list[str]:
     notes = [
         f"Left out: {name}. " + " ".join(str(fault) for fault in faults)
         for name, faults in campaign.skipped
     ]
-    if found.fit.ended == "unfinished":
+    if fitted.fit.ended == "unfinished":
         notes.append(
             "The fit used up its iterations before it met its stopping rule: its standard "
             "errors may be too small."

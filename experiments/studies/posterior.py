@@ -3,10 +3,13 @@
 import numpy as np
 from jaxtyping import Float
 
-from experiments.files.parameters_file import FittedRobot
 from identification.campaign.quantities import parse_quantity
 from identification.fit.unknowns.unknowns import PER_SETTING
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, Robot, quantity, replace
+from identification.judge.uncertainty import ParameterEstimate
+from identification.result.fitted_robot import FittedRobot
+from scdpr_jax.legs.draws import NormalErrors
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace
 
 
 def draw(
@@ -14,9 +17,8 @@ def draw(
 ) -> list[Robot]:
     r"""Samples of a fitted robot at each of some nominal pretensions.
 
-    Errors are normal with the fit's covariance, those of positive quantities in their
-    logarithm: $p e^{\sigma z / p}$. A quantity whose error isn't known keeps its value. All
-    settings of a sample share what doesn't belong to one.
+    Errors are normal with the fit's covariance. A quantity whose error isn't known keeps its
+    value. All settings of a sample share what doesn't belong to one.
 
     Args:
         fitted: The fitted robot.
@@ -28,26 +30,21 @@ def draw(
     Returns:
         The robots: samples by settings.
     """
-    known = {one.name for one in EVERY_QUANTITY}
-    rows = [row for row in fitted.parameters if row.name in known]
-    names = [row.name if row.setting is None else f"{row.name} {row.setting}" for row in rows]
-    random = np.random.default_rng(seed)
-    errors = _errors(fitted, names, random, count)
-    robots = []
-    for sample in errors:
-        values = {
-            (row.name, row.setting): _moved(row.name, row.value, (row.sigma or 0.0) * error)
-            for row, error in zip(rows, sample, strict=True)
-        }
-        common = replace(
-            fitted.robot,
-            {name: value for (name, _), value in values.items() if name != PER_SETTING},
-        )
-        tensions = {label: v for (name, label), v in values.items() if name == PER_SETTING}
-        robots += [
-            replace(common, {PER_SETTING: _tension(tensions, setting)}) for setting in settings
-        ]
-    return robots
+    samples = _errors(fitted).draw(count, seed=seed)
+    return [robot for row in samples for robot in _at_settings(fitted, row, settings)]
+
+
+def at_settings(fitted: FittedRobot, settings: tuple[float, ...]) -> list[Robot]:
+    """The fitted robot itself at each of some nominal pretensions.
+
+    Args:
+        fitted: The fitted robot.
+        settings: Nominal pretensions [N], as `draw` takes them.
+
+    Returns:
+        The robots.
+    """
+    return _at_settings(fitted, _errors(fitted).values, settings)
 
 
 def nominal_settings(fitted: FittedRobot) -> tuple[float, ...]:
@@ -62,35 +59,46 @@ def nominal_settings(fitted: FittedRobot) -> tuple[float, ...]:
     return tuple(sorted(_newtons(label) for label in fitted.settings))
 
 
-def _errors(
-    fitted: FittedRobot, names: list[str], random: np.random.Generator, count: int
-) -> Float[np.ndarray, "count names"]:
-    """Errors in standard errors: correlated where the fit says so."""
-    matrix = np.eye(len(names))
+def _rows(fitted: FittedRobot) -> list[ParameterEstimate]:
+    names = {each.name for each in EVERY_QUANTITY}
+    return [row for row in fitted.parameters if row.name in names]
+
+
+def _errors(fitted: FittedRobot) -> NormalErrors:
+    """The robot's quantities, their errors correlated where the fit says so."""
+    rows = _rows(fitted)
+    labels = [row.label for row in rows]
+    matrix = np.eye(len(rows))
     if fitted.correlation is not None:
-        order = [names.index(n) for n in fitted.correlation.names if n in names]
-        kept = [k for k, n in enumerate(fitted.correlation.names) if n in names]
-        own = np.asarray(fitted.correlation.matrix)[np.ix_(kept, kept)]
-        matrix[np.ix_(order, order)] = own
-    # Correlations that a file rounds may miss being positive by as much.
-    values, vectors = np.linalg.eigh(matrix)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    return random.standard_normal((count, len(names))) @ root.T
+        fit = [row.label for row in fitted.estimated]
+        order = [labels.index(label) for label in fit if label in labels]
+        kept = [k for k, label in enumerate(fit) if label in labels]
+        matrix[np.ix_(order, order)] = fitted.correlation[np.ix_(kept, kept)]
+    return NormalErrors(
+        names=tuple(row.name for row in rows),
+        values=np.asarray([row.value for row in rows], dtype=float),
+        sigma=np.asarray([row.sigma if np.isfinite(row.sigma) else 0.0 for row in rows]),
+        correlation=matrix,
+    )
 
 
-def _moved(name: str, value: float, error: float) -> float:
-    about = quantity(name)
-    if about.signed:
-        return value + error
-    return value * np.exp(error / value) if value > 0 else max(value + error, 0.0)
+def _at_settings(
+    fitted: FittedRobot, values: Float[np.ndarray, " rows"], settings: tuple[float, ...]
+) -> list[Robot]:
+    pairs = list(zip(_rows(fitted), values.tolist(), strict=True))
+    common = replace(
+        fitted.robot, {row.name: number for row, number in pairs if row.name != PER_SETTING}
+    )
+    tensions = {row.setting: number for row, number in pairs if row.name == PER_SETTING}
+    return [replace(common, {PER_SETTING: _tension(tensions, setting)}) for setting in settings]
 
 
 def _tension(fitted: dict[str | None, float], setting: float) -> float:
     if None in fitted:
         return fitted[None]
-    known = {_newtons(label): tension for label, tension in fitted.items() if label}
-    nearest = min(known, key=lambda one: abs(np.log(one / setting)))
-    return known[nearest] * setting / nearest
+    effective = {_newtons(label): tension for label, tension in fitted.items() if label}
+    nearest = min(effective, key=lambda nominal: abs(np.log(nominal / setting)))
+    return effective[nearest] * setting / nearest
 
 
 def _newtons(label: str) -> float:

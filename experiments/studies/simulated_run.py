@@ -4,18 +4,16 @@ import csv
 import io
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
-from scdpr_jax.command.controller import Controller, published_pd
-from scdpr_jax.command.shaper import ShapedTrajectory, Shaper
+from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import Trajectory, table_3
-from scdpr_jax.engines.closed_loop import ClosedLoop, closed_loop
-from scdpr_jax.robot.dynamics import rest
+from scdpr_jax.legs.command_law import CommandLaw
+from scdpr_jax.legs.ensemble import single
+from scdpr_jax.legs.leg import Leg, run_leg
 from scdpr_jax.robot.parameters import Robot
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 HOLD = 1.0
 """Time that is simulated after the reference has ended [s]."""
@@ -65,7 +63,7 @@ def manoeuvre(name: str, leg_time: float) -> Trajectory:
 
 def simulate(
     robot: Robot, reference: Trajectory, tuning: Tuning | None, pretension: float
-) -> tuple[ClosedLoop, Float[np.ndarray, "samples 2"]]:
+) -> Leg:
     """A manoeuvre under the tuned controller and shaper, or under the PD of Eq. (25).
 
     Args:
@@ -75,35 +73,29 @@ def simulate(
         pretension: Nominal pretension, which the shaper is chosen for [N].
 
     Returns:
-        The run and the reference that the controller was given [m].
+        The run.
     """
-    controller: Controller = published_pd()
-    shaper = Shaper(jnp.zeros(1), jnp.ones(1))
+    law = CommandLaw(reference, published_pd())
     if tuning is not None:
         x, y = (float(part) for part in reference.position(jnp.asarray(reference.duration)))
-        controller, shaper = tuning.controller, tuning.shaper_at(x, y, pretension).shaper
-    shaped = ShapedTrajectory(reference, shaper)
-    end = float(reference.duration) + float(shaper.duration) + HOLD
-    time = float(controller.period) * np.arange(round(end / float(controller.period)) + 1)
-    commanded = jax.vmap(shaped.position)(jnp.asarray(time))
-    run = _run(robot, controller, commanded)
-    return run, np.asarray(commanded)
+        law = CommandLaw(
+            reference, tuning.controller, tuning.shaper_at(x, y, pretension).shaper
+        )
+    end = float(law.duration) + HOLD
+    return _run(robot, law, round(end / float(law.controller.period)) + 1)
 
 
 @eqx.filter_jit
-def _run(
-    robot: Robot, controller: Controller, commanded: Float[Array, "samples 2"]
-) -> ClosedLoop:
-    x, y = commanded[0]
-    return closed_loop(robot, rest(robot, x, x, y), controller, reference=commanded)
+def _run(robot: Robot, law: CommandLaw, samples: int) -> Leg:
+    commands = law.commands(samples)
+    return run_leg(robot, single(robot, commands.commanded[0]).start, commands)
 
 
-def table(run: ClosedLoop, commanded: Float[np.ndarray, "samples 2"]) -> str:
+def table(run: Leg) -> str:
     """A run as CSV, units in the header; the last row repeats the last command.
 
     Args:
         run: The run.
-        commanded: The reference that the controller was given [m].
 
     Returns:
         The table.
@@ -114,7 +106,7 @@ def table(run: ClosedLoop, commanded: Float[np.ndarray, "samples 2"]) -> str:
         [
             np.asarray(run.time),
             np.concatenate([voltage, voltage[-1:]]),
-            commanded,
+            np.asarray(run.commanded),
             q[:, [0, 4, 1, 2, 3]],
         ]
     )

@@ -7,7 +7,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from experiments.sweep.axes import Axis, Variable
-from scdpr_jax.robot.parameters import QUANTITIES, Robot, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import QUANTITIES, value
 
 Values = Mapping[str, Float[Array, ""]]
 """Values of a measure's own variables at a point, by name."""

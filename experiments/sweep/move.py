@@ -1,7 +1,6 @@
 """Sweeps of the closed loop: one move under the sampled PD, exact friction and all."""
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
@@ -9,8 +8,9 @@ from experiments.sweep.axes import Axis, Variable
 from experiments.sweep.measure import Measure, Output, Values, X, Y, only_if
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
-from scdpr_jax.engines.closed_loop import closed_loop
-from scdpr_jax.robot.dynamics import rest
+from scdpr_jax.legs.command_law import CommandLaw
+from scdpr_jax.legs.ensemble import single
+from scdpr_jax.legs.leg import run_leg
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.statics.workspace import static_workspace
 
@@ -30,23 +30,18 @@ class _Move(eqx.Module):
     def __call__(self, robot: Robot, at: Values) -> tuple[Array, ...]:
         start = jnp.stack([at["x"], at["y"]])
         target = start + jnp.stack([at["distance"], at["rise"]])
-        time = PERIOD * jnp.arange(self.samples, dtype=start.dtype)
-        leg = rest_to_rest(start, target, duration=at["leg_time"])
-        reference = jax.vmap(leg.position)(time)
-        gains = PD(at["proportional_gain"], at["derivative_gain"], period=PERIOD)
-        begin = rest(robot, at["x"], at["x"], at["y"])
-        run = closed_loop(robot, begin, gains, reference=reference)
-
-        q = run.states.position
-        error = jnp.hypot(q[:, 0] - reference[:, 0], q[:, 4] - reference[:, 1])
-        arrival = jnp.ceil(at["leg_time"] / PERIOD).astype(int)
-        rested = jax.lax.dynamic_slice_in_dim(q[:, 0], arrival, HOLD)
+        law = CommandLaw(
+            rest_to_rest(start, target, duration=at["leg_time"]),
+            PD(at["proportional_gain"], at["derivative_gain"], period=PERIOD),
+        )
+        begin = single(robot, start).start
+        leg = run_leg(robot, begin, law.commands(self.samples, judged=HOLD)).measures
         outputs = (
-            jnp.max(error),
-            jnp.max(rested) - jnp.min(rested),
-            error[arrival + HOLD - 1],
-            jnp.max(jnp.abs(q[:, 1])),
-            jnp.max(jnp.abs(run.voltage)),
+            leg.largest_error,
+            leg.residual_vibration,
+            leg.resting_error,
+            leg.largest_tilt,
+            leg.largest_voltage,
         )
         region = static_workspace(robot)
         reachable = region.contains(start) & region.contains(target)
@@ -84,7 +79,7 @@ CLOSED_LOOP = Measure(
         Output("reachable", "1", "start and target lie in the static workspace, Eq. (1)"),
         Output("largest_error", "m", "largest distance from the reference, Eq. (26)"),
         Output("vibration", "m", "peak to peak of x_e in the second after the arrival"),
-        Output("resting_error", "m", "distance from the target a second after the arrival"),
+        Output("resting_error", "m", "distance from the target to where it comes to rest"),
         Output("largest_tilt", "rad", "largest rotation of the end-effector"),
         Output("largest_command", "V", "largest command to a drive"),
     ),

@@ -19,7 +19,8 @@ from experiments.sweep.netcdf import write_dataset
 from experiments.sweep.store import Store, claim
 from identification.campaign.quantities import format_quantity
 from scdpr_jax.numerics.batches import in_chunks
-from scdpr_jax.robot.parameters import QUANTITIES, Robot, replace
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import QUANTITIES, replace
 
 _ROBOT = frozenset(quantity.name for quantity in QUANTITIES)
 

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 from rich.console import Console
-from rich.table import Table
 
+from experiments.page.console_text import print_table
 from experiments.page.number_text import percent, short
+from experiments.page.table import Table
 from experiments.sweep.grid import blocks
 from experiments.sweep.netcdf import BLOCK
 
@@ -21,18 +22,17 @@ def show(console: Console, dataset: xr.Dataset, *, axes: int) -> None:
         axes: How many of its leading dimensions are the sweep's axes.
     """
     swept = next(iter(dataset.data_vars.values())).dims[:axes]
-    table = Table("axis", "values", "from", "to", "unit", box=None)
+    rows = []
     for name in swept:
         values = dataset[name]
         ends = (short(float(values[end]), 4) for end in (0, -1))
-        table.add_row(str(name), str(values.size), *ends, values.attrs["units"])
-    console.print(table)
+        rows.append((str(name), str(values.size), *ends, values.attrs["units"]))
+    header = ("axis", "values", "from", "to", "unit")
+    print_table(console, Table("", header, tuple(rows), words=(0, 4)))
     console.print()
-    table = Table("variable", "at", "least", "largest", "unit", "of the points", box=None)
-    for variable in dataset.data_vars.values():
-        for row in _rows(variable, axes):
-            table.add_row(*row)
-    console.print(table)
+    header = ("variable", "at", "least", "largest", "unit", "of the points")
+    ranges = [row for variable in dataset.data_vars.values() for row in _rows(variable, axes)]
+    print_table(console, Table("", header, tuple(ranges), words=(0, 1, 4)))
 
 
 def _rows(variable: xr.DataArray, axes: int) -> Iterator[tuple[str, ...]]:

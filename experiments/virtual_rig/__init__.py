@@ -1,1 +1,1 @@
-"""A virtual rig: campaigns whose truth is known."""
+"""Robots of known truth, and the campaigns of logs that they leave."""

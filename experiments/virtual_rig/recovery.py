@@ -19,17 +19,20 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from experiments.virtual_rig.rig import COUNTS_PER_REV, Truth
+from experiments.virtual_rig.rig import Truth
+from experiments.virtual_rig.simulated import COUNTS_PER_REV
 from identification.axis.motion import AxisParameters, axis_positions
 from identification.campaign import CameraStream, Campaign, DriveStream, Knock, Run
 from identification.campaign.types import default_sensors, encoder_resolution
-from identification.result.estimate import Estimate, estimate
+from identification.result.estimate import Estimate
+from identification.result.estimation import estimate
 from scdpr_jax.engines.closed_loop import pulley_angles
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import Robot, replace, value
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import rest
 
 PERIOD, SUBSTEPS, ROWS = 5e-3, 5, 361
 """Sample period of the logs [s], steps of the rig in it, and samples of a run."""
@@ -120,7 +123,7 @@ def campaign(truth: Truth, seed: int) -> Campaign:
             )
         )
     turned = _bare(truth.robot, jnp.asarray(np.where(time[:-1] >= 0.1, MOTOR_VOLTAGE, 0.0)))
-    shifted = np.asarray(turned)[:, None] + random.uniform(0, count, 2)
+    shifted = np.asarray(turned) + random.uniform(0, count, 2)
     both = np.repeat(np.where(time >= 0.1, MOTOR_VOLTAGE, 0.0)[:, None], 2, axis=1)
     runs.append(
         Run(
@@ -188,11 +191,15 @@ def simulated(
 
 
 @jax.jit
-def _bare(robot: Robot, voltage: Float[Array, " intervals"]) -> Float[Array, " rows"]:
-    drive = robot.drive
-    axis = AxisParameters(drive.inertia, drive.damping, drive.friction, 0.0)
-    steps = jnp.full(voltage.shape, PERIOD)
-    return axis_positions(axis, motor_torque(drive, voltage), steps=steps, start=jnp.zeros(()))
+def _bare(robot: Robot, voltage: Float[Array, " intervals"]) -> Float[Array, "rows 2"]:
+    drive, steps = robot.drive, jnp.full(voltage.shape, PERIOD)
+    torque, start = motor_torque(drive, voltage), jnp.zeros(())
+
+    def turned(friction: Float[Array, ""]) -> Float[Array, " rows"]:
+        axis = AxisParameters(drive.inertia, drive.damping, friction, 0.0)
+        return axis_positions(axis, torque, steps=steps, start=start)
+
+    return jax.vmap(turned, out_axes=1)(drive.frictions)
 
 
 class Outcome(NamedTuple):

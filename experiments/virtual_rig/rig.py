@@ -14,6 +14,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from experiments.virtual_rig.simulated import (
+    COUNTS_PER_REV,
+    PERIOD,
+    ROWS,
+    Simulated,
+    closed_loop,
+    film,
+    open_loop,
+)
 from identification.axis.motion import AxisParameters, axis_positions
 from identification.campaign import (
     CameraStream,
@@ -24,27 +33,12 @@ from identification.campaign import (
     Run,
 )
 from identification.campaign.types import default_sensors, encoder_resolution
-from scdpr_jax.command.controller import published_pd
-from scdpr_jax.command.sensors import Camera, Encoder, frame_times, observe
 from scdpr_jax.command.trajectory import table_3
-from scdpr_jax.engines.closed_loop import pulley_angles, sampled_loop
-from scdpr_jax.engines.stepping import Inputs, interpolate, simulate, step
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, rest
-from scdpr_jax.robot.parameters import Robot, replace, value
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
-
-PERIOD = 1e-3
-"""Sample period of the rig's controller [s], section 4.1."""
-
-COUNTS_PER_REV = 26624.0
-"""256 pulses, four edges each, gearbox 26:1: counts of one turn of a driver pulley."""
-
-SUBSTEPS = 4
-"""Steps of the engine in one sample period, so that a fit can't share its error."""
-
-ROWS = 5400
-"""Samples of every simulation, so that it compiles once; runs are cut to their length."""
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import State, rest
 
 SETTING = "350 N"
 """Nominal pretension of every run."""
@@ -206,7 +200,7 @@ class _Rig:
         on = (time >= 0.1) & (time < 1.1)
         while True:
             voltage = np.round(scale * volts, 3) * on[:, None]
-            run = _open_loop(self.robot, start, voltage)
+            run = open_loop(self.robot, start, voltage)
             if self.inside(run.states) or scale < 0.5:
                 return self.log(run, voltage), scale
             scale -= 0.03
@@ -237,10 +231,10 @@ class _Rig:
         time = np.arange(ROWS) * PERIOD
         pushed = np.where((time >= 0.3) & (time < 0.33), force, 0.0)
         if held:
-            where = np.asarray(start.position)[[0, 4]]
+            where = np.asarray(start.pose)
             return self.under_control(start, np.tile(where, (ROWS, 1)), pushed, 3000)
         voltage = np.zeros((3000, 2))
-        return self.log(_open_loop(self.robot, start, voltage, pushed), voltage)
+        return self.log(open_loop(self.robot, start, voltage, pushed), voltage)
 
     def under_control(
         self,
@@ -250,7 +244,7 @@ class _Rig:
         rows: int,
     ) -> _Logged:
         """A run under the paper's PD."""
-        run = _closed_loop(self.robot, start, jnp.asarray(reference), jnp.asarray(knock[:-1]))
+        run = closed_loop(self.robot, start, jnp.asarray(reference), jnp.asarray(knock[:-1]))
         return self.log(run, np.asarray(run.voltage)[:rows], reference[:rows])
 
     def breakaway(self, pose: tuple[float, float]) -> _Logged:
@@ -259,11 +253,11 @@ class _Rig:
         time = np.arange(ROWS) * PERIOD
         stairs = np.round(0.1 * np.floor(time / 0.3), 3)
         voltage = np.stack([stairs, stairs], axis=1)
-        lower = np.asarray(_open_loop(self.robot, start, voltage).states.position)[:, 2]
+        lower = np.asarray(open_loop(self.robot, start, voltage).states.position)[:, 2]
         moved = np.abs(lower - lower[0]) > 0.06
         there = int(np.argmax(moved)) if np.any(moved) else ROWS - 1
         voltage[there:] = 0.0
-        run = _open_loop(self.robot, start, voltage)
+        run = open_loop(self.robot, start, voltage)
         return self.log(run, voltage[: there + 1000])
 
     def motor_step(self, volts: float) -> _Logged:
@@ -271,12 +265,12 @@ class _Rig:
         time = np.arange(1300) * PERIOD
         voltage = np.where(time >= 0.1, volts, 0.0)
         drive = self.robot.drive
-        axis = AxisParameters(drive.inertia, drive.damping, drive.friction, 0.0)
         torque = motor_torque(drive, jnp.asarray(voltage[:-1]))
-        turned = axis_positions(
-            axis, torque, steps=jnp.full(time.size - 1, PERIOD), start=jnp.zeros(())
+        steps, still = jnp.full(time.size - 1, PERIOD), jnp.zeros(())
+        axes = [AxisParameters(drive.inertia, drive.damping, f, 0.0) for f in drive.frictions]
+        angle = np.stack(
+            [axis_positions(axis, torque, steps=steps, start=still) for axis in axes], axis=1
         )
-        angle = np.repeat(np.asarray(turned)[:, None], 2, axis=1)
         both = np.repeat(voltage[:, None], 2, axis=1)
         return _Logged(self.drive(time, both, angle, None), None)
 
@@ -307,7 +301,7 @@ class _Rig:
 
     def log(
         self,
-        run: "_Simulated",
+        run: Simulated,
         voltage: Float[np.ndarray, "rows 2"],
         reference: Float[np.ndarray, "rows 2"] | None = None,
     ) -> _Logged:
@@ -317,87 +311,6 @@ class _Rig:
         drive = self.drive(time, voltage, np.asarray(run.angle)[:rows], reference)
         self.key, key = jax.random.split(self.key)
         first = jnp.asarray(self.random.uniform(2e-3, 30e-3))
-        stamps, seen = (np.asarray(part) for part in _film(run.states, first, key))
+        stamps, seen = (np.asarray(part) for part in film(run.states, first, key))
         inside = stamps < time[-1]
         return _Logged(drive, CameraStream(time=stamps[inside], position=seen[inside]))
-
-
-class _Simulated(NamedTuple):
-    """A run over all `ROWS`, of which the rig logs the first."""
-
-    states: State
-    angle: Float[Array, "rows 2"]
-    voltage: Float[Array, "rows 2"]
-
-
-@eqx.filter_jit
-def _film(
-    states: State, first: Float[Array, ""], key: Array
-) -> tuple[Float[Array, " frames"], Float[Array, "frames 5"]]:
-    """Stamps and frames of the camera over a whole simulation."""
-    when, noise = jax.random.split(key)
-    camera = Camera(jitter=5e-4)
-    count = int(ROWS * PERIOD * 30) - 1
-    stamps = first + frame_times(camera, count=count, key=when)
-    interval = jnp.clip((stamps / PERIOD).astype(int), 0, ROWS - 2)
-    inputs = Inputs(jnp.full(ROWS - 1, PERIOD), jnp.zeros((ROWS - 1, 2)), 0.0)
-    positions = interpolate(
-        states, inputs, interval=interval, fraction=stamps / PERIOD - interval.astype(float)
-    )
-    return stamps, observe(camera, positions, key=noise)
-
-
-def _fine(robot: Robot, state: State, held: Inputs) -> State:
-    """The state after one sample period, in `SUBSTEPS` steps."""
-    part = eqx.tree_at(lambda inputs: inputs.duration, held, held.duration / SUBSTEPS)
-    following, _ = jax.lax.scan(
-        lambda before, _: (step(robot, before, part), None), state, length=SUBSTEPS
-    )
-    return following
-
-
-@eqx.filter_jit
-def _closed_loop(
-    robot: Robot,
-    start: State,
-    reference: Float[Array, "rows 2"],
-    knock: Float[Array, " rows-1"],
-) -> _Simulated:
-    run = sampled_loop(
-        lambda state, held: _fine(robot, state, held),
-        robot,
-        start,
-        published_pd(),
-        reference=reference,
-        knock=knock,
-        encoder=Encoder(COUNTS_PER_REV),
-        delay_samples=0,
-    )
-    voltage = jnp.concatenate([run.voltage, run.voltage[-1:]])
-    return _Simulated(run.states, _angles(robot, run.states), voltage)
-
-
-@eqx.filter_jit
-def _simulate(robot: Robot, start: State, inputs: Inputs) -> _Simulated:
-    fine = jax.tree.map(lambda leaf: jnp.repeat(leaf, SUBSTEPS, axis=0), inputs)
-    fine = eqx.tree_at(lambda i: i.duration, fine, fine.duration / SUBSTEPS)
-    states = jax.tree.map(lambda leaf: leaf[::SUBSTEPS], simulate(robot, start, fine))
-    return _Simulated(states, _angles(robot, states), inputs.voltage)
-
-
-def _angles(robot: Robot, states: State) -> Float[Array, "rows 2"]:
-    start = jax.tree.map(lambda leaf: leaf[0], states)
-    return jax.vmap(lambda state: pulley_angles(robot, state, start))(states)
-
-
-def _open_loop(
-    robot: Robot,
-    start: State,
-    voltage: Float[np.ndarray, "rows 2"],
-    knock: Float[np.ndarray, " instants"] | None = None,
-) -> _Simulated:
-    """The robot under given commands, zero volts once they end."""
-    commands = np.zeros((ROWS - 1, 2))
-    commands[: voltage.shape[0]] = voltage[: ROWS - 1]
-    pushed = np.zeros(ROWS - 1) if knock is None else knock[: ROWS - 1]
-    return _simulate(robot, start, Inputs(np.full(ROWS - 1, PERIOD), commands, pushed))

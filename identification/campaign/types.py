@@ -1,5 +1,6 @@
 """What a campaign is once it is read: frozen data in SI units and radians."""
 
+import collections
 import dataclasses
 import math
 from collections.abc import Sequence
@@ -128,7 +129,7 @@ class Sensors:
     """Of the end-effector's rotation from the camera [rad]."""
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Campaign:
     """One rig's logged runs, and what is known of the rig."""
 
@@ -140,11 +141,25 @@ class Campaign:
     """Encoder counts of one turn of a driver pulley [1], None if unknown."""
     robot: dict[str, float] = dataclasses.field(default_factory=dict)
     """What is known of the robot [SI], by the names of
-    `scdpr_jax.robot.parameters.QUANTITIES`."""
+    `scdpr_jax.robot.quantities.QUANTITIES`."""
     sensors: Sensors = dataclasses.field(default_factory=Sensors)
     """The sensors' noise."""
     skipped: tuple[tuple[str, tuple[Fault, ...]], ...] = ()
     """Names of the runs that were left out, each with its faults."""
+
+    def __repr__(self) -> str:
+        seconds = sum(float(run.drive.time[-1] - run.drive.time[0]) for run in self.runs)
+        kinds = collections.Counter(run.kind for run in self.runs)
+        lines = [
+            f"Campaign {self.name!r}: {len(self.runs)} runs, {seconds:.0f} s",
+            "  " + ", ".join(f"{count} {kind}" for kind, count in kinds.items()),
+            "  at " + ", ".join(dict.fromkeys(run.pretension_label for run in self.runs)),
+        ]
+        if self.robot:
+            lines.append(f"  stated of the robot: {', '.join(self.robot)}")
+        if self.skipped:
+            lines.append(f"  left out: {', '.join(name for name, _ in self.skipped)}")
+        return "\n".join(lines)
 
     def run(self, name: str) -> Run:
         """The run of a name.

@@ -7,12 +7,13 @@ import numpy as np
 
 from identification.campaign.types import Campaign
 from identification.judge.influence import decoded, known_sigma
-from identification.result.estimate import Estimate, solved
+from identification.result.estimate import Estimate
+from identification.result.estimation import solved
 
 
 def without_each_run(
     campaign: Campaign,
-    found: Estimate,
+    estimate: Estimate,
     *,
     progress: Callable[[str, float], None] = lambda doing, share: None,
 ) -> Estimate:
@@ -20,25 +21,25 @@ def without_each_run(
 
     Args:
         campaign: The campaign that the estimate is of.
-        found: The estimate.
+        estimate: The estimate.
         progress: Told what is being done and which share of it is done.
 
     Returns:
-        The estimate, `influence` with what the fits found; its bootstrap as it was.
+        The estimate, `influence` with what the fits gave; its bootstrap as it was.
     """
-    parameters = [p for p in found.parameters if p.status != "fixed"]
-    problem, point = solved(campaign, found)
-    known, names = found.influence, [p.name for p in parameters]
+    parameters, influence = estimate.fitted.estimated, estimate.influence
+    problem, point = solved(campaign, estimate)
+    names = [p.name for p in parameters]
     ends = []
     for number, run in enumerate(problem.fitted()):
-        progress(f"without {problem.runs[run].name}", number / len(known.runs))
+        progress(f"without {problem.logs.runs[run].name}", number / len(influence.runs))
         rest = dataclasses.replace(problem, held_out=problem.held_out | {run})
         # What only this run told apart leaves a flat valley: many iterations.
         ends.append(rest.minimise(point, iterations=40, decrement=1e-3).point[: len(names)])
     (value,) = decoded(names, point[None, : len(names)])
-    without = np.where(np.isnan(known.without), np.nan, decoded(names, np.array(ends)))
+    without = np.where(np.isnan(influence.without), np.nan, decoded(names, np.array(ends)))
     moved = (without - value) / known_sigma(parameters)
     return dataclasses.replace(
-        found,
-        influence=dataclasses.replace(known, without=without, moved=moved, refitted=True),
+        estimate,
+        influence=dataclasses.replace(influence, without=without, moved=moved, refitted=True),
     )

@@ -15,7 +15,6 @@ Reference: M. D. Hoffman, A. Gelman, "The No-U-Turn Sampler", J. Machine Learnin
 Bayesian Analysis 16(2), 2021, doi:10.1214/20-BA1221.
 """
 
-import dataclasses
 import importlib.util
 from collections.abc import Callable
 
@@ -25,13 +24,14 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Campaign
-from identification.fit.accumulate import motor_sums, run_sums
 from identification.fit.levenberg_marquardt import Normal
 from identification.fit.problem import Problem
+from identification.fit.run_sums import motor_sums, run_sums
 from identification.fit.unknowns.measured import pulls
 from identification.judge.influence import decoded
-from identification.result.estimate import Estimate, solved
-from scdpr_jax.robot.fields import si
+from identification.judge.likelihood import Posterior
+from identification.result.estimate import Estimate
+from identification.result.estimation import solved
 
 APART = 1.01
 """Largest potential scale reduction that is taken for convergence [1]."""
@@ -41,46 +41,6 @@ ENOUGH = 400.0
 
 ROUNDS = 24
 """Rounds of draws before a posterior that hasn't converged is refused."""
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Posterior:
-    """Draws from what the logs leave possible."""
-
-    names: tuple[tuple[str, str | None], ...]
-    """Name and setting of each quantity."""
-    draws: Float[np.ndarray, "chains draws quantities"]
-    """Values [SI]."""
-    r_hat: Float[np.ndarray, " quantities"] = dataclasses.field(metadata=si("1"))
-    """Potential scale reduction of each quantity [1]."""
-    effective: Float[np.ndarray, " quantities"] = dataclasses.field(metadata=si("1"))
-    """Independent draws that these are worth [1]."""
-
-    @property
-    def mean(self) -> Float[np.ndarray, " quantities"]:
-        """Means of the quantities [SI]."""
-        return self._flat.mean(axis=0)
-
-    @property
-    def sigma(self) -> Float[np.ndarray, " quantities"]:
-        """Standard deviations of the quantities [SI]."""
-        return self._flat.std(axis=0)
-
-    def interval(self, level: float = 0.95) -> Float[np.ndarray, "quantities 2"]:
-        """Central intervals of the quantities.
-
-        Args:
-            level: Probability inside [1].
-
-        Returns:
-            Lower and upper ends [SI].
-        """
-        tails = (0.5 - level / 2, 0.5 + level / 2)
-        return np.quantile(self._flat, tails, axis=0).T
-
-    @property
-    def _flat(self) -> Float[np.ndarray, "all quantities"]:
-        return self.draws.reshape(-1, self.draws.shape[-1])
 
 
 class _Sampled:
@@ -111,11 +71,8 @@ def _standardised(
     problem: Problem, normal: Normal
 ) -> tuple[np.ndarray, Float[np.ndarray, "active active"]]:
     """Unknowns that the logs tell, and a root of their covariance."""
-    unknowns = problem.unknowns
-    fitted = np.isin(np.arange(len(problem.runs)), problem.fitted())
-    own = (unknowns.active & fitted[:, None]).ravel()
-    open_to_it = np.concatenate([unknowns.opened, own])
-    at = np.flatnonzero(open_to_it & (np.diag(normal.matrix) > 0))
+    is_open = problem.unknowns.open_to(problem.fitted())
+    at = np.flatnonzero(is_open & (np.diag(normal.matrix) > 0))
     size = 1 / np.sqrt(np.diag(normal.matrix)[at])
     values, vectors = np.linalg.eigh(normal.matrix[np.ix_(at, at)] * np.outer(size, size))
     # A combination that the logs don't tell would be walked forever.
@@ -129,27 +86,27 @@ def _half_misfit(problem: Problem, vector: Float[Array, " n"]) -> Float[Array, "
         return both(x)[0]
 
     def both(x: Float[Array, " n"]) -> tuple[Float[Array, ""], Float[Array, " n"]]:
-        unknowns, free = problem.unknowns, problem.unknowns.free
+        logs, unknowns, free = problem.logs, problem.unknowns, problem.unknowns.free
         cost, slope = jnp.zeros(()), jnp.zeros_like(x)
-        rows = [k for k, i in enumerate(problem.cabled) if i not in problem.held_out]
+        rows = [k for k, i in enumerate(logs.cabled) if i not in problem.held_out]
         parts = []
         if rows:
-            at = np.stack([unknowns.of_run(problem.cabled[k]) for k in rows])
+            at = np.stack([unknowns.of_run(logs.cabled[k]) for k in rows])
             lanes = jnp.asarray(rows)
-            sums = run_sums(problem.prior, free, x[at], lanes, problem.rough)
-            parts.append((at, sums.gradient, jnp.sum(sums.cost) + jnp.sum(sums.known_cost)))
-        bare = [k for k, i in enumerate(problem.motors) if i not in problem.held_out]
+            sums = run_sums(problem.prior, free, x[at], lanes, logs.rough)
+            parts.append((at, sums.gradient, jnp.sum(sums.cost) + jnp.sum(sums.prior_cost)))
+        bare = [k for k, i in enumerate(logs.motors) if i not in problem.held_out]
         if bare:
-            at = np.stack([unknowns.local[problem.motors[k]] for k in bare])
-            records = jax.tree.map(lambda leaf: leaf[np.array(bare)], problem.motor_records)
+            at = np.stack([unknowns.local[logs.motors[k]] for k in bare])
+            records = jax.tree.map(lambda leaf: leaf[np.array(bare)], logs.motor_records)
             sums = motor_sums(problem.prior, free, x[at], records)
             parts.append((at, sums.gradient, jnp.sum(sums.cost)))
-        if problem.measured:
-            at = problem.told_at()
-            pull, slopes = pulls(problem.measured, problem.prior, free, x[at])
+        if problem.options.measured:
+            at = problem.measured_places()
+            pull, slopes = pulls(problem.options.measured, problem.prior, free, x[at])
             parts.append((at, pull[:, None] * slopes, jnp.sum(jnp.square(pull))))
-        for at, gradient, own in parts:
-            cost, slope = cost + own, slope.at[at].add(gradient)
+        for at, gradient, misfit in parts:
+            cost, slope = cost + misfit, slope.at[at].add(gradient)
         return cost / 2, slope
 
     half.defvjp(both, lambda slope, outer: (outer * slope,))
@@ -158,7 +115,7 @@ def _half_misfit(problem: Problem, vector: Float[Array, " n"]) -> Float[Array, "
 
 def posterior(
     campaign: Campaign,
-    found: Estimate,
+    estimate: Estimate,
     *,
     chains: int = 4,
     warm_up: int = 100,
@@ -173,7 +130,7 @@ def posterior(
 
     Args:
         campaign: The campaign that the estimate is of.
-        found: The estimate.
+        estimate: The estimate.
         chains: Walks, side by side.
         warm_up: Steps in which the step's length is learnt.
         draws: Draws of every chain in a round; rounds are added until the chains agree and
@@ -192,7 +149,7 @@ def posterior(
     from numpyro.diagnostics import effective_sample_size, split_gelman_rubin
     from numpyro.infer import MCMC, NUTS
 
-    problem, point = solved(campaign, found)
+    problem, point = solved(campaign, estimate)
     sampled = _Sampled(problem, point)
     kernel = NUTS(
         potential_fn=sampled.potential,

@@ -3,20 +3,20 @@
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from identification.campaign.types import Campaign
+from identification.fit.correction import unweighted
 from identification.fit.levenberg_marquardt import Minimum, Normal, free_unknowns
 from identification.fit.problem import Problem
-from identification.fit.unknowns.measured import Measured, with_measured
 from identification.fit.unknowns.models import REFINEMENTS, Model, Refinement
-from identification.fit.unknowns.unknowns import DEFAULT_FREE, FOLLOWS, layout
-from identification.result.estimate import Estimate, estimate, require_float64, solve, vector
-from scdpr_jax.robot.parameters import exact, replace
-from scdpr_jax.robot.prototype import consistent
+from identification.fit.unknowns.options import FitOptions
+from identification.fit.unknowns.unknowns import FOLLOWS, layout
+from identification.result.estimate import Estimate
+from identification.result.estimation import estimate, require_float64, solve, vector
+from scdpr_jax.robot.state import pose
 
 ITERATIONS = 30
 """Most evaluations of a model; the next one goes on from there, and the chosen one, too."""
@@ -26,10 +26,8 @@ Progress = Callable[[str, float], None]
 
 def select(
     campaign: Campaign,
+    options: FitOptions | None = None,
     *,
-    hold_out: Sequence[str] = (),
-    measured: Sequence[Measured] = (),
-    clock_drifts: bool = False,
     refinements: Sequence[Refinement] = REFINEMENTS,
     progress: Progress = lambda doing, share: None,
 ) -> Estimate:
@@ -47,9 +45,7 @@ def select(
 
     Args:
         campaign: The campaign.
-        hold_out: Names of runs that say nothing about the shared quantities.
-        measured: What was measured otherwise, as in `estimate`.
-        clock_drifts: Whether the cameras' clocks may drift.
+        options: What the fits are asked for, as in `estimate`; `free` is the usual model.
         refinements: What may be added.
         progress: Told what is being done and which share of it is done.
 
@@ -61,46 +57,18 @@ def select(
         FloatingPointError: If a run's simulation isn't finite at a solution.
     """
     require_float64()
+    options = options or FitOptions()
     usual = estimate(
-        campaign,
-        hold_out=hold_out,
-        measured=measured,
-        clock_drifts=clock_drifts,
-        progress=lambda doing, share: progress(doing, 0.4 * share),
+        campaign, options, progress=lambda doing, share: progress(doing, 0.4 * share)
     )
     if all(channel.is_noise for run in usual.comparisons for channel in run.channels):
         return usual
-    every = (*DEFAULT_FREE, *(name for one in refinements for name in one.free))
-    prior = exact(replace(consistent(), campaign.robot))
-    whole = Problem.of(
-        campaign,
-        prior,
-        every,
-        frozenset(hold_out),
-        measured=measured,
-        clock_drifts=clock_drifts,
+    candidates = [r for r in refinements if not set(r.free) <= set(options.free)]
+    every = _with(options, candidates)
+    whole = Problem.of(campaign, dataclasses.replace(options, free=every))
+    fits = _forward(
+        whole, options, vector(whole, usual), candidates=candidates, progress=progress
     )
-    point = vector(whole, usual)
-    left, added = list(refinements), []
-    fits: list[_Fit] = []
-    while True:
-        progress(f"model {len(fits) + 1}", 0.4 + 0.4 * len(fits) / (len(refinements) + 1))
-        problem = _opened(whole, added)
-        minimum = problem.minimise(
-            _picked(whole, problem, point), iterations=ITERATIONS, decrement=0.1
-        )
-        point = _embedding(whole, problem) @ minimum.point
-        if len(kept := _needed(problem, minimum, added)) < len(added):
-            added, problem = kept, _opened(whole, kept)
-            minimum = problem.minimise(
-                _picked(whole, problem, point), iterations=2, decrement=1.0
-            )
-        if not fits or tuple(added) != fits[-1].added:
-            fits.append(_Fit(tuple(added), problem, minimum, point))
-        promised = _promises(whole, problem, point, left)
-        if not promised or max(promised) <= 0:
-            break
-        added.append(left.pop(int(np.argmax(promised))))
     progress("models on the runs held out", 0.85)
     models = _models(whole, fits)
     choice = _choice(models)
@@ -110,14 +78,14 @@ def select(
     chosen = solve(
         best.problem,
         [best.minimum.point],
-        campaign=campaign,
         valleys=usual.fit.valleys,
         progress=lambda doing, share: progress(doing, 0.9 + 0.1 * share),
     )
     return dataclasses.replace(chosen, models=models, choice=choice)
 
 
-class _Fit(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Fit:
     """A fitted model."""
 
     added: tuple[Refinement, ...]
@@ -126,13 +94,51 @@ class _Fit(NamedTuple):
     point: Float[np.ndarray, " whole"]
 
 
-def _opened(whole: Problem, added: Sequence[Refinement]) -> Problem:
+def _forward(
+    whole: Problem,
+    usual: FitOptions,
+    point: Float[np.ndarray, " whole"],
+    *,
+    candidates: Sequence[Refinement],
+    progress: Progress,
+) -> list[_Fit]:
+    """The usual model and those that adding the most promising refinement leads to."""
+    remaining, added = list(candidates), []
+    fits: list[_Fit] = []
+    while True:
+        progress(f"model {len(fits) + 1}", 0.4 + 0.4 * len(fits) / (len(candidates) + 1))
+        problem = _opened(whole, usual, added)
+        minimum = problem.minimise(
+            _picked(whole, problem, point), iterations=ITERATIONS, decrement=0.1
+        )
+        point = _embedding(whole, problem) @ minimum.point
+        if len(kept := _needed(problem, minimum, added)) < len(added):
+            added, problem = kept, _opened(whole, usual, kept)
+            minimum = problem.minimise(
+                _picked(whole, problem, point), iterations=2, decrement=1.0
+            )
+        if not fits or tuple(added) != fits[-1].added:
+            fits.append(_Fit(tuple(added), problem, minimum, point))
+        promised = _promises(whole, problem, point, remaining)
+        if not promised or max(promised) <= 0:
+            return fits
+        added.append(remaining.pop(int(np.argmax(promised))))
+
+
+def _with(usual: FitOptions, added: Sequence[Refinement]) -> tuple[str, ...]:
+    """Names of the quantities that the usual model frees together with some refinements."""
+    return tuple(dict.fromkeys((*usual.free, *(name for r in added for name in r.free))))
+
+
+def _opened(whole: Problem, usual: FitOptions, added: Sequence[Refinement]) -> Problem:
     """The whole problem with only the usual and the added quantities free."""
-    added_free = (*DEFAULT_FREE, *(name for one in added for name in one.free))
-    free = with_measured(added_free, whole.measured)
-    unknowns = layout(whole.runs, whole.unknowns.free, opened=free)
-    same = dataclasses.replace(unknowns, active=whole.unknowns.active)
-    return dataclasses.replace(whole, unknowns=same)
+    unknowns = layout(
+        whole.logs.runs,
+        whole.unknowns.free,
+        opened=dataclasses.replace(usual, free=_with(usual, added)).all_free,
+        clock_drifts=usual.clock_drifts,
+    )
+    return dataclasses.replace(whole, unknowns=unknowns)
 
 
 def _needed(
@@ -141,18 +147,17 @@ def _needed(
     """Those of the added refinements that later ones haven't sent back to their bounds."""
     moves = free_unknowns(minimum.normal, minimum.point, problem.unknowns.lower())
     names = {name for k, (name, _) in enumerate(problem.unknowns.shared) if moves[k]}
-    return [one for one in added if names.intersection(one.free)]
+    return [refinement for refinement in added if names.intersection(refinement.free)]
 
 
 def _embedding(whole: Problem, part: Problem) -> Float[np.ndarray, "whole part"]:
     """What each unknown of a part is in the whole, where nothing follows anything."""
     matrix = np.zeros((whole.unknowns.size, part.unknowns.size))
     for index, (name, setting) in enumerate(whole.unknowns.shared):
-        known = (name, setting) in part.unknowns.shared
-        same = (name if known else FOLLOWS[name], setting)
-        matrix[index, part.unknowns.shared.index(same)] = 1.0
-    own = whole.unknowns.active.size
-    matrix[-own:, -own:] = np.eye(own)
+        is_there = (name, setting) in part.unknowns.shared
+        matrix[index, part.unknowns.place(name if is_there else FOLLOWS[name], setting)] = 1.0
+    circumstances = whole.unknowns.active.size
+    matrix[-circumstances:, -circumstances:] = np.eye(circumstances)
     return matrix
 
 
@@ -160,7 +165,7 @@ def _picked(
     whole: Problem, part: Problem, point: Float[np.ndarray, " whole"]
 ) -> Float[np.ndarray, " part"]:
     """A vector of the whole problem as one of the part."""
-    at = [whole.unknowns.shared.index(one) for one in part.unknowns.shared]
+    at = [whole.unknowns.place(*place) for place in part.unknowns.shared]
     return np.concatenate([point[at], point[len(whole.unknowns.shared) :]])
 
 
@@ -168,67 +173,70 @@ def _promises(
     whole: Problem,
     problem: Problem,
     point: Float[np.ndarray, " whole"],
-    left: Sequence[Refinement],
+    remaining: Sequence[Refinement],
 ) -> list[float]:
     """By how much each refinement promises to lower the misfit, beyond its own price.
 
     The price is Schwarz's: the measurements' logarithm for each unknown.
     """
-    if not left:
+    if not remaining:
         return []
     (normal,) = whole.evaluate([point])
-    open_ones = free_unknowns(normal, point, whole.unknowns.lower())
-    base = _embedding(whole, problem)[:, _active(problem)]
+    is_free = free_unknowns(normal, point, whole.unknowns.lower())
+    every = range(len(whole.logs.runs))
+    base = _embedding(whole, problem)[:, problem.unknowns.open_to(every)]
     seen = base.T @ normal.matrix @ base
     base = base[:, np.diag(seen) > 0]
-    found = []
-    for one in left:
+    promised = []
+    for refinement in remaining:
         at = [
             index
             for index, (name, _) in enumerate(whole.unknowns.shared)
-            if name in one.free and open_ones[index]
+            if name in refinement.free and is_free[index]
         ]
         price = len(at) * math.log(problem.measurements())
-        found.append(_score(normal, base, at) - price if at else -math.inf)
-    return found
-
-
-def _active(problem: Problem) -> Int[np.ndarray, " active"]:
-    """Unknowns of a problem that its fit may change."""
-    shared = np.flatnonzero(problem.unknowns.opened)
-    own = len(problem.unknowns.shared) + np.flatnonzero(problem.unknowns.active.ravel())
-    return np.concatenate([shared, own])
+        promised.append(_score(normal, base, at) - price if at else -math.inf)
+    return promised
 
 
 def _score(normal: Normal, base: Float[np.ndarray, "n base"], at: list[int]) -> float:
     """The score test's statistic of some unknowns beside those of a base."""
     across = base.T @ normal.matrix[:, at]
     within = np.linalg.pinv(base.T @ normal.matrix @ base, hermitian=True)
-    open_to_it = normal.matrix[np.ix_(at, at)] - across.T @ within @ across
+    information = normal.matrix[np.ix_(at, at)] - across.T @ within @ across
     slope = normal.gradient[at] - across.T @ within @ (base.T @ normal.gradient)
-    return float(slope @ np.linalg.pinv(open_to_it, hermitian=True) @ slope)
+    return float(slope @ np.linalg.pinv(information, hermitian=True) @ slope)
 
 
 def _models(whole: Problem, fits: Sequence[_Fit]) -> tuple[Model, ...]:
     """The fitted models with their criteria, and how they predict the runs held out."""
     held_out = [(None, None)] * len(fits)
-    rows = [row for row, run in enumerate(whole.cabled) if run in whole.held_out]
+    rows = [row for row, run in enumerate(whole.logs.cabled) if run in whole.held_out]
     if rows:
         alone = whole.minimise_on(
             rows, [fit.point for fit in fits], iterations=8, decrement=0.1, shared=False
         )
-        held_out = [(end.normal.cost, whole.path_error(end.point)) for end in alone]
-    return tuple(_model(fit, *own) for fit, own in zip(fits, held_out, strict=True))
+        held_out = [(end.normal.cost, _path_error(whole, rows, end.point)) for end in alone]
+    return tuple(_model(fit, *misses) for fit, misses in zip(fits, held_out, strict=True))
+
+
+def _path_error(problem: Problem, rows: Sequence[int], point: Float[np.ndarray, " n"]) -> float:
+    """Root mean square distance of the end-effector from its prediction in some runs [m]."""
+    sums = problem.cabled_sums([point], rows)
+    weight = pose(np.asarray(problem.logs.rough.frame_weight)[rows])
+    error = unweighted(pose(sums.residuals.frame), weight)
+    whole = np.all(weight > 0, axis=2)
+    return float(np.sqrt(np.mean(np.sum(np.square(error), axis=2)[whole])))
 
 
 def _model(fit: _Fit, held_out: float | None, error: float | None) -> Model:
-    added, problem, minimum, _ = fit
+    problem, minimum = fit.problem, fit.minimum
     measured, cost = problem.measurements(), minimum.normal.cost
-    open_ones = free_unknowns(minimum.normal, minimum.point, problem.unknowns.lower())
-    unknowns = int(np.sum(open_ones))
+    is_free = free_unknowns(minimum.normal, minimum.point, problem.unknowns.lower())
+    unknowns = int(np.sum(is_free))
     opened = np.flatnonzero(problem.unknowns.opened)
     return Model(
-        added=tuple(one.lacks for one in added),
+        added=tuple(refinement.lacks for refinement in fit.added),
         free=tuple(dict.fromkeys(problem.unknowns.shared[k][0] for k in opened)),
         misfit=cost / measured,
         aic=cost + 2 * unknowns,

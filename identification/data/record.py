@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Run, Sensors
-from identification.data.start import CLOCK_MARGIN, USUAL_ARM, USUAL_DRIFT, Clock, start_pose
+from identification.data.circumstances import Prior, prior
+from identification.data.start import CLOCK_MARGIN, Clock, start_pose
 from scdpr_jax.engines.stepping import Inputs
 from scdpr_jax.robot.fields import real, si
 
@@ -35,12 +36,9 @@ class Record(eqx.Module):
     """Camera positions; 0 where a marker was lost [m, rad, m, m, m]."""
     frame_weight: Float[Array, "... frames 5"] = eqx.field(converter=real, metadata=si("1/m"))
     """Inverse standard deviations of the positions; 0 where there is none [1/m, 1/rad]."""
-    known: Float[Array, "... 6"] = eqx.field(converter=real, metadata=si("m, s, 1"))
-    """What is known before: start of the lower carriage, of the upper one and of the
-    height, arm of the knock [m], how far the clock is off what the stamps were put on by
-    [s], and its drift [1]."""
-    known_weight: Float[Array, "... 6"] = eqx.field(converter=real, metadata=si("1/m, 1/s, 1"))
-    """Inverse standard deviations of that; 0 for a clock that the log states."""
+    prior: Prior
+    """What is known of the run's circumstances before any fit; the clock's offset is beyond
+    what the stamps were put right by."""
 
 
 class MotorRecord(eqx.Module):
@@ -111,11 +109,8 @@ def record(
     share = readings(run.drive.angle)
     stamps, frame = _camera(run, clock.offset)
     margin = CLOCK_MARGIN if run.clock_offset is None or clock_drifts else 0.0
-    known = start_pose(run, clock.offset, sensors, height)
-    drift = USUAL_DRIFT if clock_drifts else 0.0
-    # What was known of the offset was its mean over the run.
-    offset_sigma = np.hypot(clock.sigma, drift * time[-1] / 2)
-    inside = (stamps > known.until) & (stamps <= time[-1] - margin)
+    start = start_pose(run, clock.offset, sensors, height)
+    inside = (stamps > start.until) & (stamps <= time[-1] - margin)
     seen = np.isfinite(frame) & inside[:, None]
     sigma = np.full(5, sensors.camera_position_sigma)
     sigma[1] = sensors.camera_angle_sigma
@@ -131,15 +126,7 @@ def record(
         frame_time=_pad(stamps, frames),
         frame=_pad(np.where(seen, frame, 0.0), frames),
         frame_weight=_pad(seen / sigma, frames),
-        known=np.append(known.position, [0.0, 0.0, 0.0]),
-        known_weight=np.append(
-            1 / known.sigma,
-            [
-                0.0 if run.knock is None else 1 / USUAL_ARM,
-                1 / offset_sigma if clock.sigma > 0 else 0.0,
-                1 / drift if drift > 0 else 0.0,
-            ],
-        ),
+        prior=prior(run, start, clock, clock_drifts=clock_drifts),
     )
 
 

@@ -1,12 +1,13 @@
 """Clocks and start poses of runs, from the logs alone."""
 
+import dataclasses
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from identification.campaign.types import Run, Sensors
+from scdpr_jax.robot.state import HEIGHT, LOWER
 
 CLOCK_MARGIN = 0.02
 """How far an estimated clock may still move [s]: as far as the fit may trust no frame."""
@@ -32,7 +33,8 @@ depends on it.
 """
 
 
-class Start(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Start:
     """What is known of where a run starts."""
 
     position: Float[np.ndarray, "3"]
@@ -95,7 +97,7 @@ def _seen_at_rest(run: Run, offset: float, sensors: Sensors) -> Start | None:
         return None
     margin = CLOCK_MARGIN if run.clock_offset is None else 0.0
     resting = run.camera.time - offset <= rest_until(run) - margin
-    frames = run.camera.position[resting][:, [2, 3, 4]]
+    frames = run.camera.position[resting][:, LOWER:]
     count = np.count_nonzero(np.isfinite(frames), axis=0)
     if np.any(count == 0):
         return None
@@ -106,7 +108,8 @@ def _seen_at_rest(run: Run, offset: float, sensors: Sensors) -> Start | None:
     )
 
 
-class Clock(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Clock:
     """What is known of the camera's clock in a run."""
 
     offset: float
@@ -152,8 +155,8 @@ def _aligned(run: Run, sensors: Sensors, effective_radius: float) -> Clock:
     height = effective_radius * (angle[:, 0] - angle[:, 1]) / 2
     pairs = []
     for seen, moved in (
-        (run.camera.position[:, 2], carriage),
-        (run.camera.position[:, 4], height),
+        (run.camera.position[:, LOWER], carriage),
+        (run.camera.position[:, HEIGHT], height),
     ):
         valid = np.isfinite(seen)
         if np.ptp(moved) > 10 * sensors.camera_position_sigma and np.count_nonzero(valid) > 5:

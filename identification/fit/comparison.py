@@ -4,13 +4,15 @@ import dataclasses
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
-from identification.campaign.types import Run, Sensors
-from identification.data.record import MotorRecord, Record
-from identification.fit.accumulate import motor_angles
-from identification.fit.residuals import Circumstances, drive_time, frames, move
+from identification.data.circumstances import CLOCK
+from identification.data.record import MotorRecord
+from identification.fit.problem import Problem
+from identification.fit.residuals import Predicted, drive_time
+from identification.fit.run_sums import motor_angles
 from identification.fit.unknowns.unknowns import apply
 from scdpr_jax.robot.parameters import Robot
 
@@ -84,67 +86,12 @@ class Comparison:
     """How each channel fits."""
 
 
-Predicted = tuple[
-    Float[Array | np.ndarray, "runs rows 5"],
-    Float[Array | np.ndarray, "runs rows 2"],
-    Float[Array | np.ndarray, "runs frames 5"],
-]
-"""Positions at the drive's rows, encoder angles, and positions at the camera's stamps."""
-
-
-@eqx.filter_jit
-def predictions(
-    robot: Robot,
-    free: tuple[str, ...],
-    unknowns: Float[Array, "lanes n"],
-    run: Int[Array, " lanes"],
-    records: Record,
-) -> Predicted:
-    """Runs with the cable on as the robot would do them.
+def comparisons(problem: Problem, point: Float[np.ndarray, " n"]) -> tuple[Comparison, ...]:
+    """Every run beside its simulation, in the campaign's order.
 
     Args:
-        robot: The robot with its fixed quantities.
-        free: Names of the free quantities.
-        unknowns: For each lane its run's free quantities and its circumstances.
-        run: Which of the runs each lane is.
-        records: The runs.
-
-    Returns:
-        Positions at the drive's rows, encoder angles there, and positions at the camera's
-        stamps [m, rad, m, m, m].
-    """
-
-    def one(
-        unknown: Float[Array, " n"], number: Int[Array, ""]
-    ) -> tuple[Float[Array, "rows 5"], Float[Array, "rows 2"], Float[Array, "frames 5"]]:
-        record = jax.tree.map(lambda leaf: leaf[number], records)
-        fitted = apply(robot, free, unknown[: len(free)])
-        own = Circumstances(*unknown[len(free) :])
-        motion = move(fitted, own, record)
-        return motion.states.position, motion.angle, frames(motion, own, record)
-
-    return jax.vmap(one)(unknowns, run)
-
-
-def compare(
-    predicted: Predicted,
-    clocks: Float[np.ndarray, "runs 2"],
-    records: Record,
-    *,
-    runs: tuple[Run, ...],
-    sensors: Sensors,
-    held_out: frozenset[str],
-) -> tuple[Comparison, ...]:
-    """Runs with the cable on beside their simulations.
-
-    Args:
-        predicted: What `predictions` gives for them.
-        clocks: Their cameras' clocks, beside what was known of them before: offset [s] and
-            drift [1].
-        records: The runs' records.
-        runs: The runs, in the same order.
-        sensors: The sensors' noise.
-        held_out: Names of the runs that were held out.
+        problem: The problem.
+        point: Vector of the fit.
 
     Returns:
         A comparison for each run.
@@ -152,34 +99,52 @@ def compare(
     Raises:
         FloatingPointError: If the simulation of a run isn't finite.
     """
-    seen, frame, frame_time = (
-        np.asarray(part) for part in (records.frame_weight, records.frame, records.frame_time)
-    )
-    found = []
-    for number, run in enumerate(runs):
-        path, angle, frames = (part[number] for part in predicted)
-        rows = run.drive.time.size
-        count = 0 if run.camera is None else run.camera.time.size
-        if not (np.all(np.isfinite(path[:rows])) and np.all(np.isfinite(frames[:count]))):
-            raise FloatingPointError(
-                f"run {run.name!r}: the simulation isn't finite at the fitted values. "
-                "Look at the run with `scdpr check`, or leave it out."
-            )
-        used = seen[number, :count] > 0
-        measured = np.where(used, frame[number, :count], np.nan)
-        since = drive_time(frame_time[number, :count], *map(float, clocks[number]))
-        stamps = since + run.drive.time[0]
-        found.append(
-            _comparison(
-                run,
-                run.name in held_out,
-                simulated_angle=angle[:rows],
-                camera=(stamps, measured, frames[:count]),
-                path=path[:rows],
-                sensors=sensors,
+    logs, each = problem.logs, {}
+    if logs.records is not None:
+        predicted = problem.predictions(point)
+        for row, run in enumerate(logs.cabled):
+            each[run] = _cabled(problem, point, row, tuple(part[row] for part in predicted))
+    if logs.motor_records is not None:
+        quantities = jnp.asarray(point[problem.unknowns.local[list(logs.motors)]])
+        angles = np.asarray(
+            _motor_predictions(
+                problem.prior, problem.unknowns.free, quantities, logs.motor_records
             )
         )
-    return tuple(found)
+        for run, angle in zip(logs.motors, angles, strict=True):
+            rows = logs.runs[run].drive.time.size
+            each[run] = _comparison(problem, run, simulated_angle=angle[:rows])
+    return tuple(each[run] for run in range(len(logs.runs)))
+
+
+def _cabled(
+    problem: Problem, point: Float[np.ndarray, " n"], row: int, predicted: Predicted
+) -> Comparison:
+    """A run with the cable on beside what is predicted for it."""
+    logs = problem.logs
+    number, records, (path, angle, frames) = logs.cabled[row], logs.records, predicted
+    run = logs.runs[number]
+    rows = run.drive.time.size
+    count = 0 if run.camera is None else run.camera.time.size
+    if not (np.all(np.isfinite(path[:rows])) and np.all(np.isfinite(frames[:count]))):
+        raise FloatingPointError(
+            f"run {run.name!r}: the simulation isn't finite at the fitted values. "
+            "Look at the run with `scdpr check`, or leave it out."
+        )
+    seen, frame, stamps = (
+        np.asarray(part)[row, :count]
+        for part in (records.frame_weight, records.frame, records.frame_time)
+    )
+    offset, drift = map(float, point[problem.unknowns.circumstances(number)][CLOCK])
+    return _comparison(
+        problem,
+        number,
+        simulated_angle=angle[:rows],
+        frame_time=drive_time(stamps, offset, drift) + run.drive.time[0],
+        measured=np.where(seen > 0, frame, np.nan),
+        simulated=frames[:count],
+        path=path[:rows],
+    )
 
 
 @eqx.filter_jit
@@ -191,34 +156,22 @@ def _motor_predictions(
     )
 
 
-def compare_motors(
-    robot: Robot,
-    free: tuple[str, ...],
-    unknowns: Float[Array, "runs n"],
-    records: MotorRecord,
+_UNSEEN = np.zeros((0, 5))
+"""Positions of a run that no camera saw."""
+
+
+def _comparison(
+    problem: Problem,
+    number: int,
     *,
-    runs: tuple[Run, ...],
-    sensors: Sensors,
-    held_out: frozenset[str],
-) -> tuple[Comparison, ...]:
-    """Steps of the bare drives beside their simulations; see `compare`."""
-    angles = np.asarray(_motor_predictions(robot, free, unknowns, records))
-    nothing = (np.zeros(0), np.zeros((0, 5)), np.zeros((0, 5)))
-    return tuple(
-        _comparison(
-            run,
-            run.name in held_out,
-            simulated_angle=angles[number][: run.drive.time.size],
-            camera=nothing,
-            path=np.zeros((0, 5)),
-            sensors=sensors,
-        )
-        for number, run in enumerate(runs)
-    )
-
-
-def _comparison(run, held_out, *, simulated_angle, camera, path, sensors) -> Comparison:
-    stamps, measured, simulated = camera
+    simulated_angle: Float[np.ndarray, "rows 2"],
+    frame_time: Float[np.ndarray, " frames"] = _UNSEEN[:, 0],
+    measured: Float[np.ndarray, "frames 5"] = _UNSEEN,
+    simulated: Float[np.ndarray, "frames 5"] = _UNSEEN,
+    path: Float[np.ndarray, "instants 5"] = _UNSEEN,
+) -> Comparison:
+    """A run beside its simulation; the encoders' arbitrary zero is matched."""
+    run, sensors = problem.logs.runs[number], problem.logs.sensors
     measured_angle = run.drive.angle - run.drive.angle[0]
     zero = np.mean(measured_angle - simulated_angle, axis=0)
     simulated_angle = simulated_angle + zero
@@ -233,16 +186,16 @@ def _comparison(run, held_out, *, simulated_angle, camera, path, sensors) -> Com
             angular = name == "delta_e"
             sigma = sensors.camera_angle_sigma if angular else sensors.camera_position_sigma
             unit = "rad" if angular else "m"
-            channels.append(_channel(name, unit, sigma, stamps[seen], difference[seen]))
+            channels.append(_channel(name, unit, sigma, frame_time[seen], difference[seen]))
     return Comparison(
         name=run.name,
         kind=run.kind,
-        held_out=held_out,
+        held_out=number in problem.held_out,
         time=run.drive.time,
         voltage=run.drive.voltage,
         measured_angle=measured_angle,
         simulated_angle=simulated_angle,
-        frame_time=stamps,
+        frame_time=frame_time,
         measured=measured,
         simulated=simulated,
         path=path,
@@ -250,7 +203,13 @@ def _comparison(run, held_out, *, simulated_angle, camera, path, sensors) -> Com
     )
 
 
-def _channel(name, unit, sigma, time, difference) -> Channel:
+def _channel(
+    name: str,
+    unit: str,
+    sigma: float,
+    time: Float[np.ndarray, " n"],
+    difference: Float[np.ndarray, " n"],
+) -> Channel:
     return Channel(
         name=name,
         unit=unit,

@@ -6,33 +6,15 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
+from identification.data.circumstances import Circumstances
 from identification.data.record import Record
+from identification.fit.unknowns.unknowns import apply_run
 from scdpr_jax.engines.closed_loop import pulley_angles
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate
-from scdpr_jax.robot.dynamics import State, rest
-from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.parameters import Robot
-
-
-class Circumstances(eqx.Module):
-    """What belongs to one run alone and is estimated with the robot's parameters."""
-
-    lower: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m", "q_3(0)"))
-    """Start of the lower carriage [m]."""
-    upper: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m", "q_4(0)"))
-    """Start of the upper carriage [m]."""
-    height: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m", "y_e(0)"))
-    """Start of the end-effector's height [m]."""
-    knock: Float[Array, "..."] = eqx.field(converter=real, metadata=si("N", "F"))
-    """Force of the knock while it lasts [N]."""
-    knock_arm: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m", "h"))
-    """Height above the centre of mass at which it acts [m]."""
-    clock_offset: Float[Array, "..."] = eqx.field(converter=real, metadata=si("s"))
-    """Camera time minus drive time at the run's first row, beyond what the log says [s]."""
-    clock_drift: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1"))
-    """By how much the camera's clock runs faster than the drives' [1]."""
+from scdpr_jax.robot.state import State, rest
 
 
 class Residuals(NamedTuple):
@@ -42,9 +24,8 @@ class Residuals(NamedTuple):
     """Of the encoders; their arbitrary zero is taken out."""
     frame: Float[Array, "frames 5"]
     """Of the camera."""
-    known: Float[Array, "6"]
-    """Of what is known before: start of both carriages and of the height, the knock's arm, the
-    clock's offset and drift."""
+    prior: Float[Array, " circumstances"]
+    """Of what is known of the circumstances before."""
 
 
 class Motion(NamedTuple):
@@ -78,6 +59,24 @@ def move(robot: Robot, circumstances: Circumstances, record: Record) -> Motion:
     return Motion(
         states, jax.vmap(lambda state: pulley_angles(robot, state, start))(states), inputs
     )
+
+
+def run_motion(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " of_run"], record: Record
+) -> tuple[Motion, Circumstances]:
+    """The run as the robot that a fit's unknowns stand for would do it.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+        record: The run.
+
+    Returns:
+        Its motion, and its circumstances.
+    """
+    robot, circumstances = apply_run(robot, free, unknown)
+    return move(robot, circumstances, record), circumstances
 
 
 def frames(
@@ -134,23 +133,52 @@ def residuals(motion: Motion, circumstances: Circumstances, record: Record) -> R
     Returns:
         Residuals; zero where nothing was measured.
     """
-    own = circumstances
-    assumed = jnp.stack(
-        [
-            own.lower,
-            own.upper,
-            own.height,
-            own.knock_arm,
-            own.clock_offset,
-            own.clock_drift,
-        ]
-    )
-    frame = frames(motion, own, record)
+    frame = frames(motion, circumstances, record)
     return Residuals(
         angle=encoder_residuals(record.angle - motion.angle, record.angle_weight),
         frame=record.frame_weight * (record.frame - frame),
-        known=record.known_weight * (record.known - assumed),
+        prior=record.prior.residuals(circumstances),
     )
+
+
+Predicted = tuple[
+    Float[Array | np.ndarray, "runs rows 5"],
+    Float[Array | np.ndarray, "runs rows 2"],
+    Float[Array | np.ndarray, "runs frames 5"],
+]
+"""Positions at the drive's rows, encoder angles, and positions at the camera's stamps."""
+
+
+@eqx.filter_jit
+def predictions(
+    robot: Robot,
+    free: tuple[str, ...],
+    unknowns: Float[Array, "lanes n"],
+    run: Int[Array, " lanes"],
+    records: Record,
+) -> Predicted:
+    """Runs with the cable on as the robot would do them.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each lane its run's free quantities and its circumstances.
+        run: Which of the runs each lane is.
+        records: The runs.
+
+    Returns:
+        Positions at the drive's rows, encoder angles there, and positions at the camera's
+        stamps [m, rad, m, m, m].
+    """
+
+    def predicted(
+        unknown: Float[Array, " n"], number: Int[Array, ""]
+    ) -> tuple[Float[Array, "rows 5"], Float[Array, "rows 2"], Float[Array, "frames 5"]]:
+        record = jax.tree.map(lambda leaf: leaf[number], records)
+        motion, circumstances = run_motion(robot, free, unknown, record)
+        return motion.states.position, motion.angle, frames(motion, circumstances, record)
+
+    return jax.vmap(predicted)(unknowns, run)
 
 
 def encoder_residuals(

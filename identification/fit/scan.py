@@ -9,9 +9,10 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from identification.data.record import Record
-from identification.fit.accumulate import run_residuals
 from identification.fit.lanes import in_lanes
 from identification.fit.misfit import channel_misfit
+from identification.fit.run_sums import run_residuals
+from scdpr_jax.robot.parameters import Robot
 
 LANES = 120
 """Simulations of a chunk; a fixed number, so that one compilation serves every scan."""
@@ -19,7 +20,7 @@ LANES = 120
 
 @eqx.filter_jit
 def costs(
-    robot,
+    robot: Robot,
     free: tuple[str, ...],
     unknowns: Float[Array, "lanes n"],
     run: Int[Array, " lanes"],
@@ -38,23 +39,27 @@ def costs(
         The misfits; infinite where a simulation diverged.
     """
 
-    def one(unknown: Float[Array, " n"], number: Int[Array, ""]) -> Float[Array, ""]:
-        chosen = jax.tree.map(lambda leaf: leaf[number], records)
-        found = run_residuals(robot, free, unknown, chosen)
-        rows = jnp.sum(chosen.angle_share, axis=0)
-        frames = jnp.sum(chosen.frame_weight > 0, axis=0)
-        duration = jnp.sum(chosen.inputs.duration)
-        angle = channel_misfit(found.angle, rows, duration)
-        frame = channel_misfit(found.frame, frames, duration)
+    def cost(unknown: Float[Array, " n"], number: Int[Array, ""]) -> Float[Array, ""]:
+        record = jax.tree.map(lambda leaf: leaf[number], records)
+        residual = run_residuals(robot, free, unknown, record)
+        rows = jnp.sum(record.angle_share, axis=0)
+        frames = jnp.sum(record.frame_weight > 0, axis=0)
+        duration = jnp.sum(record.inputs.duration)
+        angle = channel_misfit(residual.angle, rows, duration)
+        frame = channel_misfit(residual.frame, frames, duration)
         misfit = jnp.sum(angle.cost) + jnp.sum(frame.cost)
         return jnp.where(jnp.isfinite(misfit), misfit, jnp.inf)
 
-    return jax.vmap(one)(unknowns, run)
+    return jax.vmap(cost)(unknowns, run)
 
 
 def scan(
-    robot, free: tuple[str, ...], unknowns: np.ndarray, run: Sequence[int], records: Record
-) -> Float[np.ndarray, " lanes"]:
+    robot: Robot,
+    free: tuple[str, ...],
+    unknowns: Float[np.ndarray, "count n"],
+    run: Sequence[int],
+    records: Record,
+) -> Float[np.ndarray, " count"]:
     """Misfits of any number of simulations, padded to whole chunks.
 
     Args:

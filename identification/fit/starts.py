@@ -7,15 +7,15 @@ are enough to follow all of them to their ends, side by side.
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from identification.data.circumstances import START
 from identification.fit.problem import Problem
 from identification.fit.scan import scan
 from identification.fit.unknowns.unknowns import PER_SETTING, decode, encode
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 SCAN_RUNS = 2
 """Runs of a setting that the scan looks at: those that move the furthest sideways."""
@@ -38,7 +38,8 @@ KNOCKS = tuple(float(f) for s in (-1, 1) for f in s * 2.0 * 1.25 ** np.arange(20
 FRICTION = "friction_coefficient"
 
 
-class Valley(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Valley:
     """A minimum of the misfit over pretension and friction, by a few runs of a setting."""
 
     setting: str
@@ -51,7 +52,8 @@ class Valley(NamedTuple):
     """Misfit per measurement of these runs [1]."""
 
 
-class Start(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Starts:
     """Where a fit begins, and what else there was."""
 
     points: tuple[Float[np.ndarray, " n"], ...]
@@ -64,7 +66,7 @@ AMBIGUOUS = 1.3
 """Misfit over the least one up to which a valley is tried on all runs, too [1]."""
 
 
-def starts(problem: Problem, progress: Callable[[str, float], None]) -> Start:
+def starts(problem: Problem, progress: Callable[[str, float], None]) -> Starts:
     """Points to begin a fit at.
 
     Args:
@@ -75,35 +77,38 @@ def starts(problem: Problem, progress: Callable[[str, float], None]) -> Start:
         The points, with the valleys that they come from.
     """
     base = _drives_alone(problem, problem.at_rest())
-    for row, run in enumerate(problem.cabled):
-        if problem.runs[run].knock is not None:
-            base[problem.own(run)[3]] = _seen_knock(problem, row)
-    shared = problem.unknowns.shared
-    labels = sorted({label for name, label in shared if name == PER_SETTING})
-    scanned = problem.records is not None and bool(labels)
-    if not scanned or not problem.unknowns.opened[shared.index((PER_SETTING, labels[0]))]:
-        return Start((_with_knocks(problem, base),), ())
+    logs, unknowns = problem.logs, problem.unknowns
+    for row, run in enumerate(logs.cabled):
+        if logs.runs[run].knock is not None:
+            base[unknowns.circumstance(run, "knock")] = _seen_knock(problem, row)
+    labels = sorted({label for name, label in unknowns.shared if name == PER_SETTING})
+    scanned = logs.records is not None and bool(labels)
+    if not scanned or not unknowns.opened[unknowns.place(PER_SETTING, labels[0])]:
+        return Starts((_with_knocks(problem, base),), ())
     points, valleys = [base], []
     for number, label in enumerate(labels):
         progress(f"scan at {label}", number / len(labels))
-        found = _valleys(problem, base, label)
-        valleys += [valley for valley, _ in found]
-        if found:
-            close = [
-                end for valley, end in found if valley.misfit <= AMBIGUOUS * found[0][0].misfit
-            ]
+        ends = _valleys(problem, base, label)
+        valleys += [valley for valley, _ in ends]
+        if ends:
+            least = ends[0][0].misfit
+            close = [end for valley, end in ends if valley.misfit <= AMBIGUOUS * least]
             points = [_joined(problem, point, end, label) for point in points for end in close]
     points = [_with_knocks(problem, _one_friction(problem, point, valleys)) for point in points]
-    return Start(tuple(points[:VALLEYS]), tuple(valleys))
+    return Starts(tuple(points[:VALLEYS]), tuple(valleys))
 
 
 def _drives_alone(problem: Problem, base: np.ndarray) -> np.ndarray:
     """The start with the drives' own quantities from the runs without the cable."""
-    if problem.motor_records is None:
+    if problem.logs.motor_records is None:
         return base
     # What was measured at a setting says nothing of the drives until its runs are there.
-    common = tuple(one for one in problem.measured if one.setting is None)
-    alone = dataclasses.replace(problem, records=None, rough=None, cabled=(), measured=common)
+    common = [number for number in problem.options.measured if number.setting is None]
+    alone = dataclasses.replace(
+        problem,
+        logs=problem.logs.of_drives(),
+        options=dataclasses.replace(problem.options, measured=common),
+    )
     return alone.minimise(base, iterations=30, decrement=1e-2).point
 
 
@@ -117,35 +122,33 @@ def _valleys(problem: Problem, base: np.ndarray, label: str) -> list[tuple[Valle
         for pretension, force in _scanned(problem, base, label, rows)[:VALLEYS]
     ]
     ends = problem.minimise_on(rows, begun, iterations=12, decrement=1.0, share=1e-3)
-    share = np.asarray(problem.rough.angle_share)[rows]
-    count = float(np.sum(share)) + np.count_nonzero(
-        np.asarray(problem.rough.frame_weight)[rows]
-    )
-    found: list[tuple[Valley, np.ndarray]] = []
+    count = sum(problem.logs.measurements(problem.logs.cabled[row]) for row in rows)
+    distinct: list[tuple[Valley, np.ndarray]] = []
     for end in sorted(ends, key=lambda end: end.normal.cost):
         valley = Valley(
             label,
-            decode(PER_SETTING, end.point[_where(problem, PER_SETTING, label)]),
+            decode(PER_SETTING, end.point[problem.unknowns.place(PER_SETTING, label)]),
             _friction(problem, end.point),
             end.normal.cost / count,
         )
-        if all(abs(valley.pretension / other.pretension - 1) > SAME for other, _ in found):
-            found.append((valley, end.point))
-    return found
+        if all(abs(valley.pretension / other.pretension - 1) > SAME for other, _ in distinct):
+            distinct.append((valley, end.point))
+    return distinct
 
 
 def _telling_runs(problem: Problem, label: str) -> list[int]:
     """The runs of a setting that move the furthest sideways; knocked ones only at need."""
+    logs = problem.logs
     of_setting = [
         row
-        for row, run in enumerate(problem.cabled)
-        if problem.runs[run].pretension_label == label and run not in problem.held_out
+        for row, run in enumerate(logs.cabled)
+        if logs.runs[run].pretension_label == label and run not in problem.held_out
     ]
-    reach = np.ptp(np.sum(np.asarray(problem.records.angle), axis=2), axis=1)
+    reach = np.ptp(np.sum(np.asarray(logs.records.angle), axis=2), axis=1)
 
     def rank(row: int) -> tuple[bool, float]:
         # A knock's force isn't known yet.
-        return problem.runs[problem.cabled[row]].knock is not None, -float(reach[row])
+        return logs.runs[logs.cabled[row]].knock is not None, -float(reach[row])
 
     return sorted(of_setting, key=rank)[:SCAN_RUNS]
 
@@ -156,7 +159,7 @@ def _scanned(
     """Pretension and friction force [N] of the scan's minima, the best first."""
     tried = [(t, f) for t in PRETENSIONS for f in FRICTION_FORCES]
     vectors = [
-        _at(problem, base, label, *pair)[problem.unknowns.of_run(problem.cabled[row])]
+        _at(problem, base, label, *pair)[problem.unknowns.of_run(problem.logs.cabled[row])]
         for pair in tried
         for row in rows
     ]
@@ -165,7 +168,7 @@ def _scanned(
         problem.unknowns.free,
         np.stack(vectors),
         list(rows) * len(tried),
-        problem.rough,
+        problem.logs.rough,
     )
     total = cost.reshape(len(PRETENSIONS), len(FRICTION_FORCES), len(rows)).sum(axis=2)
     over_friction = total.min(axis=1)
@@ -179,23 +182,23 @@ def _at(
     problem: Problem, base: np.ndarray, label: str, pretension: float, force: float
 ) -> np.ndarray:
     """The base with a pretension and a friction force."""
-    point = base.copy()
-    point[_where(problem, PER_SETTING, label)] = encode(PER_SETTING, pretension)
-    if (FRICTION, None) in problem.unknowns.shared:
-        point[_where(problem, FRICTION, None)] = encode(FRICTION, force / (4 * pretension))
+    point, unknowns = base.copy(), problem.unknowns
+    point[unknowns.place(PER_SETTING, label)] = encode(PER_SETTING, pretension)
+    if (FRICTION, None) in unknowns.shared:
+        point[unknowns.place(FRICTION)] = encode(FRICTION, force / (4 * pretension))
     return point
 
 
 def _seen_knock(problem: Problem, row: int) -> float:
     r"""Force of a knock by the first frame after it, $F = m_e \Delta x / (\Delta t\, t_F)$."""
-    run, record = problem.runs[problem.cabled[row]], problem.records
+    run, record = problem.logs.runs[problem.logs.cabled[row]], problem.logs.records
     weight = np.asarray(record.frame_weight)[row, :, 0]
     stamps = np.asarray(record.frame_time)[row]
     ended = run.knock.start + run.knock.duration - run.drive.time[0]
     after = np.flatnonzero((weight > 0) & (stamps > ended))
     if after.size == 0:
         return KNOCKS[-1] / 4
-    lower, upper, height = np.asarray(record.known)[row, :3]
+    lower, upper, height = np.asarray(record.prior.mean)[row, START]
     robot = problem.prior
     at_rest = lower - (lower - upper) / float(value(robot, "frame_height")) * height
     moved = float(np.asarray(record.frame)[row, after[0], 0]) - at_rest
@@ -222,34 +225,32 @@ def _one_friction(problem: Problem, point: np.ndarray, valleys: list[Valley]) ->
     best = [next(v for v in valleys if v.setting == label) for label in labels]
     point = point.copy()
     middle = float(np.median([valley.friction_coefficient for valley in best]))
-    point[_where(problem, FRICTION, None)] = encode(FRICTION, middle)
+    point[problem.unknowns.place(FRICTION)] = encode(FRICTION, middle)
     return point
 
 
 def _with_knocks(problem: Problem, point: np.ndarray) -> np.ndarray:
     """The start with the forces of its knocks that fit best."""
-    unknowns, point = problem.unknowns, point.copy()
-    knocked = [k for k, i in enumerate(problem.cabled) if problem.runs[i].knock is not None]
+    logs, unknowns, point = problem.logs, problem.unknowns, point.copy()
+    knocked = [k for k, i in enumerate(logs.cabled) if logs.runs[i].knock is not None]
     if not knocked:
         return point
-    rows = []
+    vectors = []
     for k in knocked:
+        run = logs.cabled[k]
         for force in KNOCKS:
-            moved = point.copy()
-            moved[problem.own(problem.cabled[k])[3]] = force
-            rows.append(moved[unknowns.of_run(problem.cabled[k])])
-    which = [k for k in knocked for _ in KNOCKS]
-    cost = scan(problem.prior, unknowns.free, np.stack(rows), which, problem.rough)
+            tried = point.copy()
+            tried[unknowns.circumstance(run, "knock")] = force
+            vectors.append(tried[unknowns.of_run(run)])
+    rows = [k for k in knocked for _ in KNOCKS]
+    cost = scan(problem.prior, unknowns.free, np.stack(vectors), rows, logs.rough)
     for k, costs in zip(knocked, cost.reshape(len(knocked), len(KNOCKS)), strict=True):
-        point[problem.own(problem.cabled[k])[3]] = KNOCKS[int(np.argmin(costs))]
+        place = unknowns.circumstance(logs.cabled[k], "knock")
+        point[place] = KNOCKS[int(np.argmin(costs))]
     return point
-
-
-def _where(problem: Problem, name: str, setting: str | None) -> int:
-    return problem.unknowns.shared.index((name, setting))
 
 
 def _friction(problem: Problem, point: np.ndarray) -> float:
     if (FRICTION, None) in problem.unknowns.shared:
-        return decode(FRICTION, point[_where(problem, FRICTION, None)])
+        return decode(FRICTION, point[problem.unknowns.place(FRICTION)])
     return float(value(problem.prior, FRICTION))

@@ -12,12 +12,12 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float
 
-from identification.fit.accumulate import RunSums
 from identification.fit.comparison import ENCODERS
 from identification.fit.problem import Problem
+from identification.fit.run_sums import RunSums
 from identification.fit.unknowns.unknowns import decode
 from identification.judge.uncertainty import magnitude
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 SENSORS = ("encoders", "camera")
 """Groups of channels in the table of `Identifiability.moved`."""
@@ -77,11 +77,11 @@ class Identifiability:
     @property
     def rank(self) -> int:
         """How many combinations the logs tell to better than `KNOWN`."""
-        return sum(one.sigma < KNOWN for one in self.combinations)
+        return sum(each.sigma < KNOWN for each in self.combinations)
 
     def untold(self) -> tuple[Combination, ...]:
         """The combinations that the logs don't tell."""
-        return tuple(one for one in self.combinations if one.sigma >= KNOWN)
+        return tuple(each for each in self.combinations if each.sigma >= KNOWN)
 
     def reason(self, name: str, setting: str | None) -> str:
         """Why a quantity is told badly, in words.
@@ -94,22 +94,22 @@ class Identifiability:
             A sentence.
         """
         index = self.names.index((name, setting))
-        told = _named(name, setting)
+        title = _named(name, setting)
         moved = self.moved[:, :, index]
         if not np.any(moved > 0):
-            return f"Nothing in the logs depends on the {told}."
+            return f"Nothing in the logs depends on the {title}."
         strongest = np.unravel_index(np.argmax(moved), moved.shape)
         where = f"{self.runs[strongest[0]]}'s {SENSORS[strongest[1]]}"
         if self.alone[index] >= KNOWN:
             return (
-                f"The {told} hardly moves anything: 1 % of it moves {where} the most, by "
+                f"The {title} hardly moves anything: 1 % of it moves {where} the most, by "
                 f"{moved[strongest]:.2g} standard deviations of the noise."
             )
-        shared = [one for one in self.untold() if abs(one.powers[index]) >= TOLD_PART]
+        shared = [each for each in self.untold() if abs(each.powers[index]) >= TOLD_PART]
         if shared:
             return f"The logs can't tell {shared[-1].text()}."
         return (
-            f"By the noise alone the {told} would be known to "
+            f"By the noise alone the {title} would be known to "
             f"{100 * self.together[index]:.2g} %: what leaves it open is the model's own error."
         )
 
@@ -129,25 +129,27 @@ def identifiability(
     """
     unknowns = problem.unknowns
     opened = np.flatnonzero(unknowns.opened)
-    parts = [(run, sums.information, sums.known) for run, sums in of_runs.items()]
     size, scale = unknowns.size, _scales(problem, point)
-    matrix, moved = np.zeros((size, size)), np.zeros((len(parts), 2, size))
-    for k, (run, channels, known) in enumerate(parts):
+    matrix, moved = np.zeros((size, size)), np.zeros((len(of_runs), 2, size))
+    for k, (run, sums) in enumerate(of_runs.items()):
+        channels = sums.information
         at = unknowns.of_run(run)[: channels.shape[-1]]
         encoders, camera = channels[: len(ENCODERS)], channels[len(ENCODERS) :]
-        np.add.at(matrix, np.ix_(at, at), channels.sum(axis=0) + known)
+        np.add.at(matrix, np.ix_(at, at), channels.sum(axis=0) + sums.prior_information)
         for group, of_group in enumerate((encoders, camera)):
             squares = np.diagonal(of_group, axis1=1, axis2=2).sum(axis=0)
             np.add.at(moved[k, group], at, squares)
     matrix += problem.otherwise(point).matrix
     matrix = matrix * np.outer(scale, scale)
-    left = _schur(matrix, opened, _circumstances(problem))
-    combinations = _combinations(left, [unknowns.shared[k] for k in opened])
+    others = np.flatnonzero(unknowns.open_to(problem.fitted()))
+    others = others[others >= len(unknowns.shared)]
+    names = [unknowns.shared[k] for k in opened]
+    combinations = _combinations(_schur(matrix, opened, others), names)
     with np.errstate(divide="ignore"):
         alone = 1 / np.sqrt(np.diag(matrix)[opened])
     return Identifiability(
-        names=tuple(unknowns.shared[k] for k in opened),
-        runs=tuple(problem.runs[run].name for run, _, _ in parts),
+        names=tuple(names),
+        runs=tuple(problem.logs.runs[run].name for run in of_runs),
         moved=0.01 * np.sqrt(moved[:, :, opened]) * scale[opened],
         alone=alone,
         together=_together(combinations, len(opened)),
@@ -162,12 +164,6 @@ def _scales(problem: Problem, point: Float[np.ndarray, " n"]) -> Float[np.ndarra
         if not quantity(name).positive:
             scale[index] = magnitude(name, decode(name, point[index])) or 1.0
     return scale
-
-
-def _circumstances(problem: Problem) -> np.ndarray:
-    fitted = np.isin(np.arange(len(problem.runs)), problem.fitted())
-    active = problem.unknowns.active & fitted[:, None]
-    return len(problem.unknowns.shared) + np.flatnonzero(active.ravel())
 
 
 def _schur(
@@ -187,13 +183,13 @@ def _combinations(
     values, vectors = np.linalg.eigh(information)
     # What rounding leaves of an eigenvalue that is zero.
     floor = len(values) * np.finfo(float).eps * max(float(values[-1]), 1e-300)
-    found = []
+    combinations = []
     for number, vector in zip(values[::-1], vectors.T[::-1], strict=True):
         vector = vector * np.sign(vector[np.argmax(np.abs(vector))])
         sigma = float(1 / np.sqrt(number)) if number > floor else np.inf
         powers = tuple(float(power) for power in vector)
-        found.append(Combination(tuple(names), powers, sigma))
-    return tuple(found)
+        combinations.append(Combination(tuple(names), powers, sigma))
+    return tuple(combinations)
 
 
 def _together(
@@ -201,11 +197,11 @@ def _together(
 ) -> Float[np.ndarray, " quantities"]:
     """Standard errors of the quantities from those of their combinations."""
     variance = np.zeros(count)
-    for one in combinations:
-        power = np.square(one.powers)
-        # An eigenvector's own rounding doesn't make a quantity untold.
+    for combination in combinations:
+        power = np.square(combination.powers)
+        # An eigenvector's rounding doesn't make a quantity untold.
         has_part = power > 1e-12
-        variance[has_part] += power[has_part] * one.sigma**2
+        variance[has_part] += power[has_part] * combination.sigma**2
     return np.sqrt(variance)
 
 

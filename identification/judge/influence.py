@@ -15,18 +15,17 @@ follow, and the step is some half of the way.
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy import stats
 from scipy.optimize import lsq_linear
 
-from identification.fit.accumulate import RunSums
 from identification.fit.levenberg_marquardt import Normal
 from identification.fit.problem import Problem
+from identification.fit.run_sums import RunSums
 from identification.judge.uncertainty import ParameterEstimate
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 RESAMPLES = 4000
 """Resamples of the bootstrap: with five runs its interval ends at the fourth of them."""
@@ -46,7 +45,8 @@ Interval = tuple[float, float]
 """Lower and upper end [SI]."""
 
 
-class RunNormal(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class RunNormal:
     """Runs' normal equations in the shared quantities, their own circumstances eliminated."""
 
     runs: tuple[str, ...]
@@ -105,7 +105,7 @@ def run_normal(
         inner, slope = _eliminated(sums, len(unknowns.free), unknowns.active[run])
         # Quantities that share an unknown add up in it.
         to = unknowns.local[run][:, None] == opened[None, :]
-        names.append(problem.runs[run].name)
+        names.append(problem.logs.runs[run].name)
         information.append(to.T @ inner @ to)
         pull.append(to.T @ slope)
     size, other = len(opened), problem.otherwise(point)
@@ -121,7 +121,7 @@ def influence(
     normal: RunNormal,
     parameters: Sequence[ParameterEstimate],
     *,
-    held: Float[np.ndarray, " n"],
+    encoded: Float[np.ndarray, " n"],
     resamples: int = RESAMPLES,
     seed: int = 0,
 ) -> Influence:
@@ -138,7 +138,7 @@ def influence(
     Args:
         normal: The runs' normal equations at the minimum.
         parameters: The estimated quantities, in the order of the normal equations.
-        held: The minimum, in the quantities as a fit holds them.
+        encoded: The minimum, in the quantities as a fit holds them.
         resamples: Resamples of the bootstrap.
         seed: Seed of the resamples.
 
@@ -146,13 +146,13 @@ def influence(
         What moves what, and intervals.
     """
     names, count = [p.name for p in parameters], len(normal.runs)
-    lower = np.array([_lower(name) for name in names]) - held
-    without = decoded(names, held + moves(normal, 1.0 - np.eye(count), lower=lower))
+    lower = np.array([_lower(name) for name in names]) - encoded
+    without = decoded(names, encoded + moves(normal, 1.0 - np.eye(count), lower=lower))
     drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), resamples)
-    resampled = decoded(names, held + moves(normal, drawn.astype(float), lower=lower))
+    resampled = decoded(names, encoded + moves(normal, drawn.astype(float), lower=lower))
     free = _unstopped(normal, lower)
     telling = telling_runs(free)
-    (value,) = decoded(names, held[None])
+    (value,) = decoded(names, encoded[None])
     # A logarithm's standard error is relative.
     size = np.where([quantity(name).positive for name in names], value, 1.0)
     return Influence(
@@ -187,11 +187,11 @@ def moves(
     """
     inverse = _covariances(normal, weights)
     pull = weights @ normal.pull + normal.otherwise.gradient
-    found = -np.einsum("cij,cj->ci", inverse, pull)
-    told = _told(normal, inverse)
-    for case in np.flatnonzero(np.any(told & (found < lower), axis=1)):
-        found[case] = _bounded(inverse[case], pull[case], lower)
-    return np.where(told, found, np.nan)
+    moved = -np.einsum("cij,cj->ci", inverse, pull)
+    is_told = _is_told(normal, inverse)
+    for case in np.flatnonzero(np.any(is_told & (moved < lower), axis=1)):
+        moved[case] = _bounded(inverse[case], pull[case], lower)
+    return np.where(is_told, moved, np.nan)
 
 
 def telling_runs(normal: RunNormal) -> Float[np.ndarray, " n"]:
@@ -219,11 +219,11 @@ def _eliminated(
 ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, " n"]]:
     """A run's information and pull on its first `count` unknowns, the others solved for."""
     matrix, pull = sums.matrix, sums.gradient
-    own = count + np.flatnonzero(active)
-    across = matrix[:count, own] @ _inverse(matrix[np.ix_(own, own)])
+    others = count + np.flatnonzero(active)
+    across = matrix[:count, others] @ _inverse(matrix[np.ix_(others, others)])
     return (
-        matrix[:count, :count] - across @ matrix[own, :count],
-        pull[:count] - across @ pull[own],
+        matrix[:count, :count] - across @ matrix[others, :count],
+        pull[:count] - across @ pull[others],
     )
 
 
@@ -242,15 +242,15 @@ def _covariances(
 
     What is told by nothing has a large variance instead of an infinite one.
     """
-    known = normal.otherwise.matrix
-    whole = np.diag(normal.information.sum(axis=0) + known)
+    otherwise = normal.otherwise.matrix
+    whole = np.diag(normal.information.sum(axis=0) + otherwise)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, 1.0))
     both = np.outer(scale, scale)
-    information = np.einsum("cg,gij->cij", weights, normal.information) + known
+    information = np.einsum("cg,gij->cij", weights, normal.information) + otherwise
     return np.linalg.inv(information * both + RIDGE * np.eye(scale.size)[None]) * both[None]
 
 
-def _told(
+def _is_told(
     normal: RunNormal, covariances: Float[np.ndarray, "cases n n"]
 ) -> Bool[np.ndarray, "cases n"]:
     """Which quantities keep enough of the information that all runs hold."""
@@ -269,7 +269,7 @@ def _by_noise(normal: RunNormal) -> Float[np.ndarray, "runs n"]:
     (whole,) = _covariances(normal, np.ones((1, count)))
     rest = _covariances(normal, 1.0 - np.eye(count))
     variance = np.diagonal(rest, axis1=1, axis2=2) - np.diag(whole)[None]
-    return np.where(_told(normal, rest), np.sqrt(np.maximum(variance, 0.0)), np.nan)
+    return np.where(_is_told(normal, rest), np.sqrt(np.maximum(variance, 0.0)), np.nan)
 
 
 def _bounded(
@@ -294,7 +294,8 @@ def _unstopped(normal: RunNormal, lower: Float[np.ndarray, " n"]) -> RunNormal:
     other = normal.otherwise
     free = (lower < 0) | (normal.pull.sum(axis=0) + other.gradient <= 0)
     both = np.outer(free, free)
-    return normal._replace(
+    return dataclasses.replace(
+        normal,
         information=normal.information * both,
         otherwise=other._replace(matrix=other.matrix * both),
     )
@@ -314,34 +315,34 @@ def known_sigma(parameters: Sequence[ParameterEstimate]) -> Float[np.ndarray, " 
 
 
 def _lower(name: str) -> float:
-    known = quantity(name)
-    return -np.inf if known.positive or known.signed else 0.0
+    kind = quantity(name)
+    return -np.inf if kind.positive or kind.signed else 0.0
 
 
 def decoded(
-    names: Sequence[str], held: Float[np.ndarray, "cases n"]
+    names: Sequence[str], encoded: Float[np.ndarray, "cases n"]
 ) -> Float[np.ndarray, "cases n"]:
     """Values of quantities from how a fit holds them.
 
     Args:
         names: Their names.
-        held: What a fit holds in each of some cases.
+        encoded: What a fit holds in each of some cases.
 
     Returns:
         Their values [SI].
     """
     columns = [
         np.exp(column) if quantity(name).positive else column
-        for name, column in zip(names, held.T, strict=True)
+        for name, column in zip(names, encoded.T, strict=True)
     ]
     return np.stack(columns, axis=1)
 
 
 def _expanded(drawn: Float[np.ndarray, " resamples"], telling: float) -> Interval | None:
     """Expanded percentiles; None with too few runs, or too few that tell it."""
-    told = drawn[~np.isnan(drawn)]
-    if telling < FEWEST or told.size < 0.99 * drawn.size:
+    values = drawn[~np.isnan(drawn)]
+    if telling < FEWEST or values.size < 0.99 * drawn.size:
         return None
     far = stats.t.ppf(0.975, telling - 1) * np.sqrt(telling / (telling - 1))
-    low, high = np.quantile(told, [stats.norm.cdf(-far), stats.norm.cdf(far)])
+    low, high = np.quantile(values, [stats.norm.cdf(-far), stats.norm.cdf(far)])
     return float(low), float(high)

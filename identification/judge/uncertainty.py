@@ -1,14 +1,13 @@
 """Honest standard errors: what is left over is rarely independent noise."""
 
 import dataclasses
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy import stats
 
 from scdpr_jax.robot.fields import si
-from scdpr_jax.robot.parameters import quantity
+from scdpr_jax.robot.quantities import quantity
 
 STRETCHES = (1, 4, 40)
 """Neighbouring blocks of a run's score that are summed: a block, a tenth, all of it."""
@@ -32,7 +31,7 @@ class ParameterEstimate:
     """A quantity's value with its uncertainty."""
 
     name: str
-    """Name, see `scdpr_jax.robot.parameters.QUANTITIES`."""
+    """Name, see `scdpr_jax.robot.quantities.QUANTITIES`."""
     setting: str | None
     """Nominal pretension that the value belongs to, None if it belongs to all."""
     value: float
@@ -48,6 +47,11 @@ class ParameterEstimate:
     degrees_of_freedom: float = dataclasses.field(default=np.inf, metadata=si("1"))
     """Degrees of freedom of the standard error [1]."""
 
+    @property
+    def label(self) -> str:
+        """Name and setting: "effective_pretension 350 N"."""
+        return self.name if self.setting is None else f"{self.name} {self.setting}"
+
     def interval(self, confidence: float) -> tuple[float, float]:
         """The confidence interval of another level.
 
@@ -59,6 +63,10 @@ class ParameterEstimate:
         """
         half = half_width(self.sigma, confidence, self.degrees_of_freedom)
         return self.value - half, self.value + half
+
+    def __str__(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.label} = {self.value:.5g}{unit} ± {self.sigma:.2g}{unit}, {self.status}"
 
 
 def half_width(sigma: float, confidence: float, degrees_of_freedom: float) -> float:
@@ -77,7 +85,8 @@ def half_width(sigma: float, confidence: float, degrees_of_freedom: float) -> fl
     return float(stats.t.ppf(0.5 + confidence / 2, degrees_of_freedom) * sigma)
 
 
-class Covariance(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Covariance:
     """Covariance of a fit's unknowns."""
 
     sigma: Float[np.ndarray, " n"]
@@ -139,11 +148,11 @@ def covariance(
         if groups < 2:
             continue
         spread = np.sum(np.square(pulls), axis=0) * groups / (groups - 1)
-        found = spread + stated
+        clustered = spread + stated
         scatter = stats.chi2.ppf(1 - LEVEL, groups - 1) / (groups - 1)
-        wider = _width(found, groups - 1.0) > _width(variance, freedom)
+        wider = _width(clustered, groups - 1.0) > _width(variance, freedom)
         taken = (spread > scatter * (white - stated)) & wider
-        variance = np.where(taken, found, variance)
+        variance = np.where(taken, clustered, variance)
         freedom = np.where(taken, groups - 1.0, freedom)
     sigma, degrees = np.full(seen.size, np.inf), np.full(seen.size, np.inf)
     sigma[at], degrees[at] = scale * np.sqrt(variance), freedom

@@ -14,6 +14,7 @@ from identification.campaign.types import Campaign, Run
 from identification.knocks.ring_down import RingDown, ring_down
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.state import X, pose
 
 _MARGIN = 0.05  # s: a frame and a half between the knock and the first sample in use
 _CLOCK = 0.1  # s: the same where the camera's clock is unknown by some tens of ms
@@ -43,9 +44,10 @@ _COLUMNS = (
     _Column("damping_ratio_sigma", "1", False),
 )
 _RUN = "run"
+_SHOWN = 8  # knocks of a map that is printed
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class FrequencyMap:
     """Natural frequency and damping at the poses that were knocked, one row a knock."""
 
@@ -72,6 +74,23 @@ class FrequencyMap:
     """Names of the runs."""
     unresolved: tuple[tuple[str, str], ...] = ()
     """Knocks that give no frequency: name of the run, and why."""
+    ring_downs: tuple[RingDown, ...] = ()
+    """Every knock's ring-down; none in a map read from a file."""
+
+    def __repr__(self) -> str:
+        low, high = np.min(self.frequency), np.max(self.frequency)
+        lines = [
+            f"FrequencyMap of {len(self.runs)} knocks: {low:.3g} to {high:.3g} Hz, "
+            f"{len(self.unresolved)} unresolved"
+        ]
+        lines += [
+            f"  {self.frequency[k]:.4g} ± {self.frequency_sigma[k]:.2g} Hz at "
+            f"({self.x[k]:.2f} m, {self.y[k]:.2f} m), {self.pretension[k]:g} N: {self.runs[k]}"
+            for k in range(min(len(self.runs), _SHOWN))
+        ]
+        if len(self.runs) > _SHOWN:
+            lines.append(f"  and {len(self.runs) - _SHOWN} more")
+        return "\n".join(lines)
 
 
 def frequency_map(campaign: Campaign) -> FrequencyMap:
@@ -115,6 +134,7 @@ def frequency_map(campaign: Campaign) -> FrequencyMap:
         residuals_are_noise=np.array([decay.residuals_are_noise for decay in decays]),
         runs=tuple(run.name for _, _, _, run in rows),
         unresolved=tuple(unresolved),
+        ring_downs=tuple(decays),
     )
 
 
@@ -135,7 +155,7 @@ def _row(run: Run, *, noise_sigma: float) -> tuple[float, float, RingDown, Run]:
     time = np.asarray(run.camera.time)
     position = np.asarray(run.camera.position)
     before = position[time < run.knock.start + offset - margin]
-    x, y = (before[:, i][np.isfinite(before[:, i])] for i in (0, 4))
+    x, y = (seen[np.isfinite(seen)] for seen in pose(before).T)
     if len(x) == 0 or len(y) == 0:
         raise ValueError(
             f"the camera saw no pose before {run.knock.start + offset - margin:.3g} s, "
@@ -144,7 +164,7 @@ def _row(run: Run, *, noise_sigma: float) -> tuple[float, float, RingDown, Run]:
         )
     decay = ring_down(
         time,
-        position[:, 0],
+        position[:, X],
         noise_sigma=noise_sigma,
         after=run.knock.start + run.knock.duration + offset + margin,
     )
@@ -155,8 +175,8 @@ def write_frequencies(frequencies: FrequencyMap, path: pathlib.Path) -> None:
     """Write a map as `frequencies.csv`, whole or not at all.
 
     Args:
-        frequencies: The map; what has no column (`fft_frequency`, `residuals_are_noise`
-            and `unresolved`) isn't written.
+        frequencies: The map; what has no column (`fft_frequency`,
+            `residuals_are_noise`, `unresolved` and `ring_downs`) isn't written.
         path: The file, replaced if it exists.
     """
     columns = [getattr(frequencies, column.field).tolist() for column in _COLUMNS]

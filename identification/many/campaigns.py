@@ -4,7 +4,8 @@ import dataclasses
 from collections.abc import Callable, Iterable, Iterator
 
 from identification.campaign.types import Campaign
-from identification.result.estimate import Estimate, estimate
+from identification.result.estimate import Estimate
+from identification.result.estimation import estimate
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -24,9 +24,10 @@ from jaxtyping import Array, Float
 from scdpr_jax.engines.linear_stepping import simulate_linear
 from scdpr_jax.numerics.batches import in_chunks
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.fields import real, si
-from scdpr_jax.robot.parameters import Robot, replace, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import rest
 
 NAMES = ("friction_coefficient", "drive_inertia", "drive_damping", "effective_pretension")
 """What is fitted, in the order of the results."""

@@ -15,15 +15,17 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from identification.campaign.types import Sensors
+from identification.data.circumstances import MOVING, NAMES, START, Circumstances, Prior
 from identification.data.record import Record
 from identification.data.start import USUAL_ARM
-from identification.fit.residuals import Circumstances, encoder_residuals, frames, move
+from identification.fit.residuals import encoder_residuals, frames, move
 from identification.fit.unknowns.unknowns import apply
 from identification.next_run.excitation import KNOCK_TIME, REST, STEP
 from scdpr_jax.engines.stepping import Inputs
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.fields import real, si
-from scdpr_jax.robot.parameters import Robot, quantity
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity
+from scdpr_jax.robot.state import State, pose
 
 FRAME_RATE = 30.0
 """Rate of the camera [Hz]."""
@@ -33,12 +35,6 @@ MARGIN = 0.1
 
 KNOCK_SPREAD = 0.3
 """Standard deviation of a knock's force over what was asked for [1]."""
-
-ON_TIME = (0.0, 0.0)
-"""Offset and drift of a camera's clock that runs with the drives' [s, 1]."""
-
-_OWN = 5
-"""What isn't known of a run: its start's three coordinates, its knock's force and arm."""
 
 
 class Rig(eqx.Module):
@@ -149,7 +145,7 @@ def expected(rig: Rig, run: PlannedRun, truth: Float[Array, " n"]) -> Expected:
     Returns:
         Covariance and excursion.
     """
-    begun = jnp.eye(rig.point.size + _OWN, dtype=truth.dtype)
+    begun = jnp.eye(rig.point.size + len(NAMES[MOVING]), dtype=truth.dtype)
 
     def again(units: Float[Array, "m m"], _: None) -> tuple[Array, Array]:
         return expected_over(rig, run, truth, jnp.linalg.cholesky(units))
@@ -174,13 +170,13 @@ def expected_over(
         Covariance and excursion.
     """
     record, count = _record(rig, run), truth.size
-    own = jnp.concatenate([run.start[:1], run.start, run.knock[None], jnp.zeros(1)])
-    uncertain = jnp.stack([KNOCK_SPREAD * run.knock, jnp.asarray(USUAL_ARM)])
-    known = jnp.concatenate([1 / record.known_weight[:3], uncertain])
+    planned = _circumstances(run).vector
+    knock_sigma = jnp.stack([KNOCK_SPREAD * run.knock, jnp.asarray(USUAL_ARM)])
+    sigma = jnp.concatenate([1 / record.prior.weight[START], knock_sigma])
 
     def moved(unit: Float[Array, " m"]) -> tuple[State, Array, Array]:
         quantities = rig.bounded(truth + rig.root @ unit[:count])
-        circumstances = Circumstances(*(own + known * unit[count:]), *ON_TIME)
+        circumstances = Circumstances.of(planned.at[MOVING].add(sigma * unit[count:]))
         motion = move(apply(rig.robot, rig.names, quantities), circumstances, record)
         return motion.states, motion.angle, frames(motion, circumstances, record)
 
@@ -191,7 +187,7 @@ def expected_over(
     def secants(of: Float[Array, "points rows n"]) -> Float[Array, "m rows n"]:
         return (of[1 : len(over) + 1] - of[len(over) + 1 :]) / 2
 
-    turned = jax.vmap(lambda own: encoder_residuals(own, weight))(secants(angle))
+    turned = jax.vmap(lambda difference: encoder_residuals(difference, weight))(secants(angle))
     seen = record.frame_weight[None] * secants(frame)
     rows = jnp.concatenate([part.reshape(len(over), -1) for part in (turned, seen)], axis=1)
     whole = over @ jnp.linalg.inv(over.T @ over + rows @ rows.T) @ over.T
@@ -220,8 +216,24 @@ def _record(rig: Rig, run: PlannedRun) -> Record:
         frame_time=stamps,
         frame=jnp.zeros((stamps.size, 5)),
         frame_weight=jnp.where(seen[:, None], 1 / rig.camera_sigma[None], 0.0),
-        known=jnp.zeros(6),
-        known_weight=jnp.full(6, jnp.sqrt(REST * FRAME_RATE)) / rig.camera_sigma[0],
+        prior=Prior(
+            jnp.zeros(len(NAMES)),
+            jnp.full(len(NAMES), jnp.sqrt(REST * FRAME_RATE)) / rig.camera_sigma[0],
+        ),
+    )
+
+
+def _circumstances(run: PlannedRun) -> Circumstances:
+    """The circumstances of a run as it is planned, its camera's clock the drives' own."""
+    x, y = run.start
+    return Circumstances(
+        lower=x,
+        upper=x,
+        height=y,
+        knock=run.knock,
+        knock_arm=0.0,
+        clock_offset=0.0,
+        clock_drift=0.0,
     )
 
 
@@ -244,9 +256,9 @@ def _beyond(rig: Rig, states: State, record: Record) -> Float[Array, ""]:
     body, frame = rig.robot.end_effector, rig.robot.frame
     low = jnp.stack([jnp.asarray(MARGIN), body.lower_offset + MARGIN])
     high = jnp.stack([frame.width - MARGIN, frame.height - body.upper_offset - MARGIN])
-    at, active = jnp.array([0, 4]), record.angle_weight[:, :1] > 0
-    place = jnp.where(active, states.position[:, at], states.position[:1, at])
-    speed = jnp.where(active, jnp.abs(states.velocity[:, at]), 0.0)
+    active = record.angle_weight[:, :1] > 0
+    place = jnp.where(active, states.pose, states.pose[:1])
+    speed = jnp.where(active, jnp.abs(pose(states.velocity)), 0.0)
     out = jnp.maximum(low[None] - place, 0.0) + jnp.maximum(place - high[None], 0.0)
     return jnp.max(out) + jnp.max(jnp.maximum(speed - rig.top_speed, 0.0))
 
@@ -278,7 +290,5 @@ def motion(rig: Rig, run: PlannedRun) -> State:
     Returns:
         States at the ends of the run's intervals.
     """
-    x, y = run.start
-    own = Circumstances(x, x, y, run.knock, 0.0, *ON_TIME)
     robot = apply(rig.robot, rig.names, rig.point)
-    return move(robot, own, _record(rig, run)).states
+    return move(robot, _circumstances(run), _record(rig, run)).states

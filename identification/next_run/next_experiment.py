@@ -25,7 +25,7 @@ from identification.next_run.expected_information import (
     expected_over,
 )
 from scdpr_jax.numerics.side_by_side import CORES
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 DRAWS, JUDGES = 4, 32
 """Robots drawn to compare the catalogue with and for each step of the search, and to judge what

@@ -6,8 +6,8 @@ against. A narrow law makes the problem stiff, yet the explicit `diffrax.Tsit5()
 ahead of `diffrax.Kvaerno5()` down to a width of 1e-5 m/s, where both take as long.
 
 Derivatives: the default adjoint is for reverse mode (`jax.grad`, `jax.vjp`); for forward
-mode (`jax.jvp`, `jax.jacfwd`) pass `adjoint=diffrax.ForwardMode()`. Explicit solvers of
-loose tolerance have wrong derivatives on stiff friction, without a word: see
+mode (`jax.jvp`, `jax.jacfwd`) pass `Adaptive(adjoint=diffrax.ForwardMode())`. Explicit solvers
+of loose tolerance have wrong derivatives on stiff friction, without a word: see
 `docs/validity.md`. `smooth_sensitivities` solves for the derivatives as it does for the
 motion, and has right ones on stiff friction too.
 """
@@ -26,9 +26,11 @@ from scdpr_jax.command.sensors import Encoder
 from scdpr_jax.engines.closed_loop import ClosedLoop, sampled_loop
 from scdpr_jax.engines.stepping import Inputs
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, accelerations
+from scdpr_jax.robot.dynamics import accelerations
+from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import State
 
 _Held = Callable[[Float[Array, ""]], tuple[Float[Array, "2"], Float[Array, ""]]]
 """Commands [V] and knock [N] as a function of time."""
@@ -36,6 +38,26 @@ _Held = Callable[[Float[Array, ""]], tuple[Float[Array, "2"], Float[Array, ""]]]
 _X = TypeVar("_X")
 _Field = Callable[[Float[Array, ""], _X, None], _X]
 """The time derivative of something that is solved for."""
+
+
+class Adaptive(eqx.Module):
+    """An adaptive solver and its options."""
+
+    solver: diffrax.AbstractSolver = diffrax.Tsit5()
+    """The solver."""
+    rtol: float | Float[Array, ""] = eqx.field(default=1e-7, metadata=si("1"))
+    """Relative tolerance of a step [1]."""
+    atol: float | Float[Array, ""] = eqx.field(default=1e-9, metadata=si("SI"))
+    """Absolute tolerance of a step [m, rad, m/s, rad/s]."""
+    max_steps: int = eqx.field(default=100_000, static=True)
+    """Most steps of a solve."""
+    adjoint: diffrax.AbstractAdjoint = diffrax.RecursiveCheckpointAdjoint()
+    """How a solve is differentiated."""
+
+    @property
+    def step_control(self) -> diffrax.PIDController:
+        """How the steps are chosen."""
+        return diffrax.PIDController(rtol=self.rtol, atol=self.atol)
 
 
 def simulate_smooth(
@@ -46,11 +68,7 @@ def simulate_smooth(
     times: Float[Array, " intervals+1"],
     knock: Float[Array, " intervals"] | None = None,
     save_at: Float[Array, " saved"],
-    solver: diffrax.AbstractSolver | None = None,
-    rtol: float | Float[Array, ""] = 1e-7,
-    atol: float | Float[Array, ""] = 1e-9,
-    max_steps: int = 100_000,
-    adjoint: diffrax.AbstractAdjoint | None = None,
+    method: Adaptive | None = None,
 ) -> State:
     """Trajectory of the robot with smooth friction, by an adaptive solver.
 
@@ -64,11 +82,7 @@ def simulate_smooth(
         times: Ends of these intervals, ascending, one more than intervals [s].
         knock: Horizontal force on the end-effector in the intervals [N]; `None` for none.
         save_at: Times of the wanted states, ascending and within the grid [s].
-        solver: The method; `diffrax.Tsit5()` by default.
-        rtol: Relative tolerance of a step [1].
-        atol: Absolute tolerance of a step [m, rad, m/s, rad/s].
-        max_steps: Most steps of the solve.
-        adjoint: How it is differentiated; `diffrax.RecursiveCheckpointAdjoint()` by default.
+        method: The solver and its options, `Adaptive()` by default.
 
     Returns:
         States at the wanted times.
@@ -79,6 +93,7 @@ def simulate_smooth(
             `jax.jit` wraps the same message in an error of its own.
     """
     _require_smooth(robot)
+    method = Adaptive() if method is None else method
     solution = _solve(
         lambda held: _equations(robot, held),
         start,
@@ -86,13 +101,9 @@ def simulate_smooth(
         times=times,
         knock=knock,
         save_at=save_at,
-        solver=solver,
-        rtol=rtol,
-        atol=atol,
-        max_steps=max_steps,
-        adjoint=adjoint,
+        method=method,
     )
-    return _unless_given_up(solution, max_steps)
+    return _unless_given_up(solution, method)
 
 
 class Sensitivities(NamedTuple):
@@ -115,10 +126,7 @@ def smooth_sensitivities(
     times: Float[Array, " intervals+1"],
     knock: Float[Array, " intervals"] | None = None,
     save_at: Float[Array, " saved"],
-    solver: diffrax.AbstractSolver | None = None,
-    rtol: float | Float[Array, ""] = 1e-7,
-    atol: float | Float[Array, ""] = 1e-9,
-    max_steps: int = 100_000,
+    method: Adaptive | None = None,
 ) -> Sensitivities:
     r"""Trajectory of the robot with smooth friction, and what its unknowns do to it.
 
@@ -141,10 +149,8 @@ def smooth_sensitivities(
         times: Ends of these intervals, ascending, one more than intervals [s].
         knock: Horizontal force on the end-effector in the intervals [N]; `None` for none.
         save_at: Times of the wanted states, ascending and within the grid [s].
-        solver: The method; `diffrax.Tsit5()` by default.
-        rtol: Relative tolerance of a step [1].
-        atol: Absolute tolerance of a step [m, rad, m/s, rad/s], and of the derivatives.
-        max_steps: Most steps of the solve.
+        method: The solver and its options, `Adaptive()` by default; its tolerances are those of
+            the derivatives, too.
 
     Returns:
         States at the wanted times, their derivatives, and the number of steps.
@@ -155,6 +161,7 @@ def smooth_sensitivities(
             `jax.jit` wraps the same message in an error of its own.
     """
     _require_smooth(robot_of(unknowns))
+    method = Adaptive() if method is None else method
     directions = jnp.eye(unknowns.size, dtype=unknowns.dtype)
 
     def variational(held: _Held) -> _Field[tuple[State, State]]:
@@ -179,13 +186,9 @@ def smooth_sensitivities(
         times=times,
         knock=knock,
         save_at=save_at,
-        solver=solver,
-        rtol=rtol,
-        atol=atol,
-        max_steps=max_steps,
-        adjoint=None,
+        method=method,
     )
-    states, derivatives = _unless_given_up(solution, max_steps)
+    states, derivatives = _unless_given_up(solution, method)
     return Sensitivities(states, derivatives, solution.stats["num_steps"])
 
 
@@ -198,11 +201,7 @@ def simulate_closed_loop(
     knock: Float[Array, " samples-1"] | None = None,
     encoder: Encoder | None = None,
     delay_samples: int = 0,
-    solver: diffrax.AbstractSolver | None = None,
-    rtol: float | Float[Array, ""] = 1e-7,
-    atol: float | Float[Array, ""] = 1e-9,
-    max_steps: int = 1_000,
-    adjoint: diffrax.AbstractAdjoint | None = None,
+    method: Adaptive | None = None,
 ) -> ClosedLoop:
     """The robot with smooth friction under a sampled controller, by an adaptive solver.
 
@@ -218,11 +217,8 @@ def simulate_closed_loop(
         knock: Horizontal force on the end-effector, held between the samples [N].
         encoder: Encoders that the angles are read by; `None` for exact angles.
         delay_samples: Whole periods by which a command comes late; 0 V until the first.
-        solver: The method; `diffrax.Tsit5()` by default.
-        rtol: Relative tolerance of a step [1].
-        atol: Absolute tolerance of a step [m, rad, m/s, rad/s].
-        max_steps: Most steps of one period's solve.
-        adjoint: How it is differentiated; `diffrax.RecursiveCheckpointAdjoint()` by default.
+        method: The solver and its options in each period, `Adaptive(max_steps=1_000)` by
+            default.
 
     Returns:
         States at the samples and commands between them.
@@ -234,22 +230,23 @@ def simulate_closed_loop(
             `jax.jit` wraps the same message in an error of its own.
     """
     _require_smooth(robot)
+    method = Adaptive(max_steps=1_000) if method is None else method
 
     def advance(state: State, inputs: Inputs) -> State:
         solution = diffrax.diffeqsolve(
             diffrax.ODETerm(_equations(robot, lambda _: (inputs.voltage, inputs.knock))),
-            diffrax.Tsit5() if solver is None else solver,
+            method.solver,
             t0=jnp.zeros_like(inputs.duration),
             t1=inputs.duration,
             # Most periods are one step; the controller shortens it where friction turns.
             dt0=inputs.duration,
             y0=state,
-            stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
-            max_steps=max_steps,
-            adjoint=diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
+            stepsize_controller=method.step_control,
+            max_steps=method.max_steps,
+            adjoint=method.adjoint,
             throw=False,
         )
-        final = _unless_given_up(solution, max_steps)
+        final = _unless_given_up(solution, method)
         return State(final.position[0], final.velocity[0])
 
     return sampled_loop(
@@ -272,11 +269,7 @@ def _solve(
     times: Float[Array, " intervals+1"],
     knock: Float[Array, " intervals"] | None,
     save_at: Float[Array, " saved"],
-    solver: diffrax.AbstractSolver | None,
-    rtol: float | Float[Array, ""],
-    atol: float | Float[Array, ""],
-    max_steps: int,
-    adjoint: diffrax.AbstractAdjoint | None,
+    method: Adaptive,
 ) -> diffrax.Solution:
     """The solution, whole or given up, of equations under held inputs."""
     knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
@@ -286,19 +279,18 @@ def _solve(
         interval = jnp.clip(interval, 0, voltage.shape[0] - 1)
         return voltage[interval], knock[interval]
 
-    pid = diffrax.PIDController(rtol=rtol, atol=atol)
     jumps = _jumps(jnp.concatenate([voltage, knock[:, None]], axis=1), times)
     return diffrax.diffeqsolve(
         diffrax.ODETerm(field_of(held)),
-        diffrax.Tsit5() if solver is None else solver,
+        method.solver,
         t0=times[0],
         t1=times[-1],
         dt0=None,
         y0=start,
         saveat=diffrax.SaveAt(ts=save_at),
-        stepsize_controller=diffrax.ClipStepSizeController(pid, jump_ts=jumps),
-        max_steps=max_steps,
-        adjoint=diffrax.RecursiveCheckpointAdjoint() if adjoint is None else adjoint,
+        stepsize_controller=diffrax.ClipStepSizeController(method.step_control, jump_ts=jumps),
+        max_steps=method.max_steps,
+        adjoint=method.adjoint,
         throw=False,
     )
 
@@ -324,15 +316,15 @@ def _jumps(
     return jnp.sort(jnp.append(jnp.where(changes, times[1:-1], never), never))
 
 
-def _unless_given_up(solution: diffrax.Solution, max_steps: int) -> Any:
+def _unless_given_up(solution: diffrax.Solution, method: Adaptive) -> Any:
     """What a solution found, raising where the solver didn't reach its end."""
     ran_out = solution.result == diffrax.RESULTS.max_steps_reached
     states = eqx.error_if(
         solution.ys,
         ran_out,
-        f"`max_steps` must carry the adaptive solver to the end [steps], got {max_steps}, "
-        "which don't. Raise it, loosen `rtol` and `atol`, or widen the friction's `width`: a "
-        "narrow one is stiff.",
+        "`max_steps` must carry the adaptive solver to the end [steps], got "
+        f"{method.max_steps}, which don't. Raise it, loosen `rtol` and `atol`, or widen the "
+        "friction's `width`: a narrow one is stiff.",
     )
     return eqx.error_if(
         states,

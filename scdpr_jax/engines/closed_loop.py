@@ -15,12 +15,12 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import Controller, saturate
 from scdpr_jax.command.sensors import Encoder, read_encoder
-from scdpr_jax.engines.stepping import Inputs, step
+from scdpr_jax.engines.stepping import Inputs, step, with_start
 from scdpr_jax.numerics.lean_scan import lean_scan
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.kinematics import inverse_kinematics
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import State
 
 
 class ClosedLoop(eqx.Module):
@@ -148,9 +148,7 @@ def sampled_loop(
     )
     return ClosedLoop(
         time=period * jnp.arange(intervals + 1, dtype=period.dtype),
-        states=jax.tree.map(
-            lambda first, rest: jnp.concatenate([first[None], rest]), start, states
-        ),
+        states=with_start(start, states),
         voltage=voltage,
     )
 
@@ -185,5 +183,4 @@ def pulley_angles(robot: Robot, state: State, start: State) -> Float[Array, "2"]
     Returns:
         Angles [rad].
     """
-    moved = state.position - start.position
-    return inverse_kinematics(moved[jnp.asarray([2, 4])], robot.drive.effective_radius)
+    return inverse_kinematics(state.driven - start.driven, robot.drive.effective_radius)

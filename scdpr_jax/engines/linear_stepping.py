@@ -2,9 +2,13 @@ r"""The fixed-grid engine of the linear model: exact between events, for one run
 
 Near an aligned pose at a height the robot is linear but for its dry friction, Eqs. (18) and
 (21) with the drives. On the branches that the contacts begin a step on, a step is a product
-with tabulated matrices (`scdpr_jax.engines.propagator`); where a contact leaves its branch,
-`scdpr_jax.contacts.stick_slip` and `scdpr_jax.contacts.pulley_stick_slip` say when and by how
-much the friction deviates. Near fourth order in the step, by the events alone.
+with tabulated matrices (`scdpr_jax.engines.propagator`) and has no error of its own; where a
+contact leaves its branch, `scdpr_jax.contacts.single` and `scdpr_jax.contacts.events` say when
+and by how much the friction deviates. So the error is the events' alone, and falls with nearly
+the fourth power of the step (3.9 measured, see `docs/validity.md`).
+
+Why so: the nonlinear engine's stages would give the same at four times the work, and a solver
+that stops at every event can't be batched, as its runs have different numbers of steps.
 
 Everything in a step is a scalar: batched by `jax.vmap` these are arrays with the runs side by
 side, which a processor works through two to four times as fast as stacked small matrices.
@@ -14,25 +18,16 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from scdpr_jax.contacts import stick_slip
-from scdpr_jax.contacts.linear_contacts import (
-    HEIGHT,
-    LOWER,
-    UPPER,
-    Moving,
-    Rubbed,
-    Start,
-    Tables,
-    carriage,
-    pulleys,
-)
-from scdpr_jax.contacts.stick_slip import Scalars
+from scdpr_jax.contacts.linear import AssumedFriction, Start, Tables, carriage, pulleys
+from scdpr_jax.contacts.response import Moving, Scalars, departed
 from scdpr_jax.engines.propagator import Propagator, propagator
+from scdpr_jax.engines.stepping import with_start
 from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, drive_forces, masses
+from scdpr_jax.robot.dynamics import drive_forces, masses
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, X
 
 
 def simulate_linear(
@@ -56,7 +51,7 @@ def simulate_linear(
         interval: Length of the intervals in which the inputs are held [s], above zero.
         voltage: Commands to the two drives in the `n` intervals [V].
         knock: Horizontal force on the end-effector in the intervals [N]; `None` for none.
-        substeps: Steps in an interval; the error falls with their third power.
+        substeps: Steps in an interval; the error falls with nearly their fourth power.
         rubbing_drives: Whether the drives' dry friction is followed. Where they have none, a
             run without it is the same and takes less than half the time.
 
@@ -83,10 +78,8 @@ def simulate_linear(
         state = jax.lax.fori_loop(0, substeps, lambda _, now: _step(tables, now, held), state)
         return state, state
 
-    first = (*start.position, *start.velocity)
-    _, rows = lean_scan(advance, first, pushes)
-    columns = [jnp.concatenate([a[None], b]) for a, b in zip(first, rows, strict=True)]
-    return State(jnp.stack(columns[:5], axis=-1), jnp.stack(columns[5:], axis=-1))
+    _, rows = lean_scan(advance, (*start.position, *start.velocity), pushes)
+    return with_start(start, _packed(rows))
 
 
 def linear_step(
@@ -110,8 +103,12 @@ def linear_step(
         State at the end; what sticks has a velocity, or a pulley's rate, of exactly zero.
     """
     held = tuple(push[0] for push in _accelerations(robot, voltage[None], knock[None]))
-    found = _step(_unpacked(tables), (*state.position, *state.velocity), held)
-    return State(jnp.stack(found[:5]), jnp.stack(found[5:]))
+    return _packed(_step(_unpacked(tables), (*state.position, *state.velocity), held))
+
+
+def _packed(state: Scalars) -> State:
+    """Coordinates and velocities, one after the other, as a state."""
+    return State(jnp.stack(state[:5], axis=-1), jnp.stack(state[5:], axis=-1))
 
 
 def _accelerations(
@@ -123,7 +120,11 @@ def _accelerations(
     forces = jax.vmap(drive_forces, in_axes=(None, 0))(robot, torque)
     knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
     weight = robot.gravity * robot.end_effector.mass
-    return forces[:, 2] / mass[2], knock / mass[0], (forces[:, 4] - weight) / mass[4]
+    return (
+        forces[:, LOWER] / mass[LOWER],
+        knock / mass[X],
+        (forces[:, HEIGHT] - weight) / mass[HEIGHT],
+    )
 
 
 def _unpacked(tables: Propagator) -> Tables:
@@ -137,44 +138,32 @@ def _unpacked(tables: Propagator) -> Tables:
 
 def _step(tables: Tables, state: Scalars, held: Scalars) -> Scalars:
     drive, knock, lift = (tables.duration * acceleration for acceleration in held)
-    pushed = {LOWER: drive, UPPER: jnp.zeros_like(drive), HEIGHT: lift}
-    start = Start(tables, Moving(state[:5], state[5:]), pushed)
+    pushes = {LOWER: drive, UPPER: jnp.zeros_like(drive), HEIGHT: lift}
+    start = Start(tables, Moving(state[:5], state[5:]), pushes)
     lower = carriage(start, LOWER) if tables.drives is None else pulleys(start)
     contacts = (lower, carriage(start, UPPER))
 
-    rubbed = {i: own for contact in contacts for i, own in contact.rubbed().items()}
-    end = _assumed_end(start, rubbed, knock=knock)
+    frictions = {i: f for contact in contacts for i, f in contact.friction().items()}
+    end = _assumed_end(start, frictions, knock=knock)
     for contact in contacts:
         end = contact.held(end)
-    end = Moving(*(tuple(map(once, part)) for part in end))
-    departures = [contact.departure(end) for contact in contacts]
-    deviations = {i: own for departure in departures for i, own in departure.deviations.items()}
-    position, velocity = stick_slip.deviated(
-        *end,
+    end = jax.tree.map(once, end)
+    position, velocity = departed(
+        end,
+        [contact.departure(end) for contact in contacts],
         duration=tables.duration,
-        deviations=deviations,
-        responses={i: _response(tables, i) for i in deviations},
+        responses={i: start.response(i) for i in frictions},
     )
-    for departure in departures:
-        for i, speed in departure.at_rest(velocity).items():
-            velocity[i] = speed
     return (*position, *velocity)
 
 
-def _response(tables: Tables, i: int) -> stick_slip.Response:
-    """How the robot answers a coordinate over a step."""
-    if i == HEIGHT:
-        couplings = {i: jnp.zeros_like(tables.duration)}
-    else:
-        couplings = dict(enumerate(tables.coupling[i - LOWER]))
-    return stick_slip.Response(tables.damped[i - LOWER], couplings)
-
-
-def _assumed_end(start: Start, rubbed: dict[int, Rubbed], *, knock: Float[Array, ""]) -> Moving:
+def _assumed_end(
+    start: Start, frictions: dict[int, AssumedFriction], *, knock: Float[Array, ""]
+) -> Moving:
     """The step's end on the assumed branches, but for what they hold."""
-    tables, (q, v), pushed = start
-    steady = {i: once(pushed[i] - own.constant) for i, own in rubbed.items()}
-    rising = {i: once(-own.rising) for i, own in rubbed.items()}
+    tables, (q, v), pushes = start
+    steady = {i: once(pushes[i] - friction.constant) for i, friction in frictions.items()}
+    rising = {i: once(-friction.rising) for i, friction in frictions.items()}
     constant, growing = tables.responses
     plane = (*q[:4], *v[:4])
     end = [
@@ -186,7 +175,7 @@ def _assumed_end(start: Start, rubbed: dict[int, Rubbed], *, knock: Float[Array,
         + constant[k][2] * knock
         for k in range(8)
     ]
-    vertical = (v[HEIGHT], steady.get(HEIGHT, pushed[HEIGHT]), rising.get(HEIGHT))
+    vertical = (v[HEIGHT], steady.get(HEIGHT, pushes[HEIGHT]), rising.get(HEIGHT))
     y, up = (
         sum(
             part * given for part, given in zip(row, vertical, strict=True) if given is not None

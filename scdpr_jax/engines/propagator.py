@@ -9,6 +9,7 @@ from scdpr_jax.linear.model import linearise
 from scdpr_jax.robot.dynamics import dampings, masses
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import HEIGHT, LOWER, X, carriages
 
 _PLANE = (0, 1, 2, 3, 5, 6, 7, 8)
 """Rows of the state space that belong to $[x_e, \\delta_e, q_3, q_4]$ and its derivative."""
@@ -67,18 +68,18 @@ def propagator(
     Raises:
         TypeError: If a carriage has another friction law.
     """
-    aligned = jnp.zeros(5, height.dtype).at[4].set(height)
+    aligned = jnp.zeros(5, height.dtype).at[HEIGHT].set(height)
     plane = jnp.array(_PLANE)
     space = linearise(robot, aligned)
     matrix = space.state_matrix[plane][:, plane]
     mass, damping = masses(robot), dampings(robot)
-    carriages = jnp.eye(8, dtype=matrix.dtype)[:, 6:]
-    knocked = mass[0] * space.input_matrix[plane][:, 2:]
-    forced = jnp.concatenate([carriages, knocked], axis=1)
+    pushed = jnp.eye(8, dtype=matrix.dtype)[:, 6:]
+    knocked = mass[X] * space.input_matrix[plane][:, 2:]
+    forced = jnp.concatenate([pushed, knocked], axis=1)
     transition, responses = _exponentials(duration * matrix, forced)
     normal = 4 * robot.cable.effective_pretension
     vertical = jnp.array([[0.0, 1.0], [0.0, 0.0]], matrix.dtype)
-    vertical = vertical.at[1, 1].set(-damping[4] / mass[4])
+    vertical = vertical.at[1, 1].set(-damping[HEIGHT] / mass[HEIGHT])
     moved, (lifted, lifting) = _exponentials(
         duration * vertical, jnp.eye(2, dtype=matrix.dtype)[:, 1:]
     )
@@ -89,9 +90,9 @@ def propagator(
         responses=responses,
         pull=duration * matrix[6:, :4],
         coupling=jnp.square(duration) * matrix[4:, 2:4].T,
-        mass=mass[2:],
-        damped=duration * (damping / mass)[2:],
-        limit=duration * friction_coefficients(robot) * normal / mass[2:4],
+        mass=mass[LOWER:],
+        damped=duration * (damping / mass)[LOWER:],
+        limit=duration * friction_coefficients(robot) * normal / carriages(mass),
         height=jnp.concatenate([moved[:, 1:], lifted, lifting], axis=1),
         drives=drives if rubbing_drives else None,
     )

@@ -5,9 +5,16 @@ fifth-order Runge-Kutta on the branches that the contacts are on when the step b
 one leaves its branch inside the step (it stops, turns round, sticks or breaks away), the
 instant follows in closed form from the step's own polynomials, and the friction's deviation
 acts through the robot's own response at frozen coefficients. The upper carriage has its
-friction to itself (`scdpr_jax.contacts.stick_slip`); the lower carriage and both drives share
-the pair $(\dot q_3, \dot y_e)$ (`scdpr_jax.contacts.pulley_stick_slip`). There is no loop
-inside a step, so that it vectorises, and derivatives hold through every event.
+friction to itself (`scdpr_jax.contacts.single`); the lower carriage and both drives share
+the pair $(\dot q_3, \dot y_e)$ (`scdpr_jax.contacts.branches`), whose events are followed
+one by one (`scdpr_jax.contacts.events`): the only loop in a step, and passed over where no run
+of a batch has an event.
+
+Why so: logs have a grid of their own, held voltages jump at its instants, and a fit needs
+derivatives of a program that is always the same. An adaptive solver places its steps by the
+state, takes thousands of them where friction is smoothed narrowly enough to be right, and
+loses its derivatives there. A projection of each step's end onto the friction's cone needs no
+instants, but is of first order, and its derivatives are wrong by per cents at any step.
 
 A carriage that sticks has a velocity of exactly zero, a drive that sticks has
 $\dot q_3 = \mp\dot y_e$ exactly; that is the engine's only memory.
@@ -20,21 +27,20 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from scdpr_jax.contacts import pulley_stick_slip, stick_slip
-from scdpr_jax.contacts.stick_slip import Quadratic, Scalars
+from scdpr_jax.contacts import branches, events, single
+from scdpr_jax.contacts.branches import PAIR, Pair, Three, act, less
+from scdpr_jax.contacts.motion import Assumed
+from scdpr_jax.contacts.polynomial import Cubic, Quadratic, cubic_between
+from scdpr_jax.contacts.response import Moving, Response, Scalars, departed
 from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, dampings, masses, smooth_forces
+from scdpr_jax.robot.dynamics import dampings, masses, smooth_forces
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
-
-_LOWER, _UPPER, _HEIGHT = 2, 3, 4
-"""The coordinates with friction, $q_3$, $q_4$ and $y_e$."""
-_PAIR = (_LOWER, _HEIGHT)
-"""Those that share the lower carriage's and the drives' friction."""
+from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State
 
 
 class Inputs(eqx.Module):
@@ -68,6 +74,19 @@ def simulate(robot: Robot, start: State, inputs: Inputs) -> State:
         return following, following
 
     _, states = lean_scan(advance, start, inputs)
+    return with_start(start, states)
+
+
+def with_start(start: State, states: State) -> State:
+    """A start and the states that follow it, as one trajectory.
+
+    Args:
+        start: The state at the first instant.
+        states: Those at the following ones, along the first axis.
+
+    Returns:
+        All of them.
+    """
     return jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
 
 
@@ -113,33 +132,37 @@ def step(robot: Robot, state: State, held: Inputs) -> State:
     Raises:
         TypeError: If a carriage has another friction law.
     """
-    start = _Moving(*(tuple(jnp.unstack(part)) for part in (state.position, state.velocity)))
+    start = Moving(*(tuple(jnp.unstack(part)) for part in (state.position, state.velocity)))
     stages = _runge_kutta(robot, start, held)
     responses = _responses(robot, state, held)
     mass = tuple(jnp.unstack(masses(robot)))
-    upper = stick_slip.deviation(_upper_motion(held, stages, responses[_UPPER]))
-    contacts = pulley_stick_slip.Contacts(
-        tuple(mass[i] for i in _PAIR),
+    contacts = branches.Contacts(
+        tuple(mass[i] for i in PAIR),
         tuple(held.duration * limit for limit in stages.middle.limit.pair),
     )
-    pair = pulley_stick_slip.deviation(_pair_motion(held, stages, responses, mass), contacts)
-    return _deviated(held, stages.end, responses, upper, pair, contacts)
+    upper = single.deviation(_upper_motion(held, stages, responses[UPPER]))
+    pair = events.deviation(_pair_motion(held, stages, responses, mass), contacts)
+    end = departed(
+        stages.end,
+        (upper.departure(UPPER), pair.departure(contacts.mass)),
+        duration=held.duration,
+        responses=responses,
+    )
+    return State(jnp.stack(end.position), jnp.stack(end.velocity))
 
 
-def _responses(robot: Robot, state: State, held: Inputs) -> dict[int, stick_slip.Response]:
+def _responses(robot: Robot, state: State, held: Inputs) -> dict[int, Response]:
     """How the robot answers coordinates with friction, at frozen coefficients."""
     h, mass = held.duration, jnp.unstack(masses(robot))
     damping = jnp.unstack(dampings(robot))
     rows = jnp.unstack(carriage_stiffness(robot, state.position))
     couplings = {
         i: {k: -jnp.square(h) * own / mass[k] for k, own in enumerate(jnp.unstack(row))}
-        for i, row in zip((_LOWER, _UPPER), rows, strict=True)
+        for i, row in zip((LOWER, UPPER), rows, strict=True)
     }
     # The height's stiffness is of second order in the inclinations.
-    couplings[_HEIGHT] = {_HEIGHT: jnp.zeros_like(mass[_HEIGHT])}
-    return {
-        i: stick_slip.Response(h * damping[i] / mass[i], own) for i, own in couplings.items()
-    }
+    couplings[HEIGHT] = {HEIGHT: jnp.zeros_like(mass[HEIGHT])}
+    return {i: Response(h * damping[i] / mass[i], own) for i, own in couplings.items()}
 
 
 _STAGES = (
@@ -156,26 +179,19 @@ _PLACES = (0, 3, 5)
 """The stages at the beginning, in the middle and at the end of the step."""
 
 
-class _Moving(NamedTuple):
-    """A state as scalars: batched, each is an array of its own."""
-
-    position: Scalars
-    velocity: Scalars
-
-
 class _Limits(NamedTuple):
     """Largest frictions at a position."""
 
     upper: Float[Array, ""]
     """Of the upper carriage, over its mass [m/s²]."""
-    pair: pulley_stick_slip.Three
+    pair: Three
     """Of both drives at their pulleys' rims, and of the lower carriage [N]."""
 
 
 class _Stage(NamedTuple):
     """A stage of a Runge-Kutta step, with what acts over the masses [m/s², rad/s²]."""
 
-    at: _Moving
+    at: Moving
     load: Scalars
     """All but dry friction."""
     limit: _Limits
@@ -188,14 +204,14 @@ class _Stages(NamedTuple):
 
     upper: Float[Array, ""]
     """Branch of the upper carriage."""
-    pair: pulley_stick_slip.Branch
+    pair: branches.Branch
     """Branch of the lower carriage and the drives."""
-    mobility: pulley_stick_slip.Three
+    mobility: Three
     """That branch's [1/kg]."""
     beginning: _Stage
     middle: _Stage
     last: _Stage
-    end: _Moving
+    end: Moving
 
     @property
     def three(self) -> tuple[_Stage, _Stage, _Stage]:
@@ -203,46 +219,44 @@ class _Stages(NamedTuple):
         return self.beginning, self.middle, self.last
 
 
-def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
+def _runge_kutta(robot: Robot, start: Moving, held: Inputs) -> _Stages:
     mass = jnp.unstack(masses(robot))
-    pair_mass = tuple(mass[i] for i in _PAIR)
+    pair_mass = tuple(mass[i] for i in PAIR)
     torque = motor_torque(robot.drive, held.voltage)
     lower, upper = exact_laws(robot)
     drives = tuple(jnp.unstack(robot.drive.frictions / robot.drive.effective_radius))
 
-    def balance(at: _Moving) -> tuple[Scalars, _Limits]:
+    def balance(at: Moving) -> tuple[Scalars, _Limits]:
         loop = loop_forces(robot, jnp.stack(at.position))
         force = smooth_forces(
             robot, loop, jnp.stack(at.velocity), torque=torque, knock=held.knock
         )
         load = tuple(once(f / m) for f, m in zip(jnp.unstack(force), mass, strict=True))
         on_lower, on_upper = jnp.unstack(loop.normal)
-        guide = once(lower.sliding(at.velocity[_PAIR[0]]) * on_lower)
-        own = once(upper.sliding(at.velocity[_UPPER]) * on_upper / mass[_UPPER])
+        guide = once(lower.sliding(at.velocity[PAIR[0]]) * on_lower)
+        own = once(upper.sliding(at.velocity[UPPER]) * on_upper / mass[UPPER])
         return load, _Limits(own, (*drives, guide))
 
-    def on_pair(load: Scalars) -> pulley_stick_slip.Pair:
-        return tuple(load[i] * mass[i] for i in _PAIR)
+    def on_pair(load: Scalars) -> Pair:
+        return tuple(load[i] * mass[i] for i in PAIR)
 
     load, limit = balance(start)
-    branch = stick_slip.branch_at_start(start.velocity[_UPPER], load[_UPPER], limit.upper)
-    pair = pulley_stick_slip.branch_at_start(
-        tuple(start.velocity[i] for i in _PAIR),
+    branch = single.branch_at_start(start.velocity[UPPER], load[UPPER], limit.upper)
+    pair = branches.branch_at_start(
+        tuple(start.velocity[i] for i in PAIR),
         on_pair(load),
-        pulley_stick_slip.Contacts(pair_mass, limit.pair),
+        branches.Contacts(pair_mass, limit.pair),
     )
     mobility = pair.mobility(pair_mass)
 
-    def stage(at: _Moving, load: Scalars, limit: _Limits) -> _Stage:
-        free = jnp.where(branch == 0, 0.0, load[_UPPER] - branch * limit.upper)
-        rubbed = pair.friction(limit.pair)
-        driving = tuple(p - f for p, f in zip(on_pair(load), rubbed, strict=True))
-        along, up = pulley_stick_slip.act(mobility, driving)
+    def stage(at: Moving, load: Scalars, limit: _Limits) -> _Stage:
+        free = jnp.where(branch == 0, 0.0, load[UPPER] - branch * limit.upper)
+        along, up = act(mobility, less(on_pair(load), pair.friction(limit.pair)))
         return _Stage(at, load, limit, (*load[:2], along, free, up))
 
-    def ahead(weights: tuple[float, ...]) -> _Moving:
+    def ahead(weights: tuple[float, ...]) -> Moving:
         parts = [(held.duration * w, s) for w, s in zip(weights, stages, strict=True) if w]
-        return _Moving(
+        return Moving(
             tuple(
                 once(q + sum(w * s.at.velocity[i] for w, s in parts))
                 for i, q in enumerate(start.position)
@@ -260,12 +274,14 @@ def _runge_kutta(robot: Robot, start: _Moving, held: Inputs) -> _Stages:
     return _Stages(branch, pair, mobility, *(stages[i] for i in _PLACES), end=ahead(_END))
 
 
-def _assumed_velocity(h: Float[Array, ""], stages: _Stages, i: int) -> tuple[Quadratic, Array]:
-    """A coordinate's velocity through the step, and the bend that makes it a cubic."""
-    start, end = stages.beginning.at.velocity[i], stages.end.velocity[i]
-    linear, end_slope = h * stages.beginning.slope[i], h * stages.last.slope[i]
-    quadratic = end - start - linear
-    return Quadratic(start, linear, quadratic), end_slope - linear - 2 * quadratic
+def _assumed_velocity(h: Float[Array, ""], stages: _Stages, i: int) -> Cubic:
+    """A coordinate's velocity through the step."""
+    return cubic_between(
+        stages.beginning.at.velocity[i],
+        stages.end.velocity[i],
+        slope=h * stages.beginning.slope[i],
+        end_slope=h * stages.last.slope[i],
+    )
 
 
 def _held_load(
@@ -278,64 +294,35 @@ def _held_load(
     return Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle)
 
 
-def _upper_motion(
-    held: Inputs, stages: _Stages, response: stick_slip.Response
-) -> stick_slip.Assumed:
+def _upper_motion(held: Inputs, stages: _Stages, response: Response) -> single.Assumed:
     """The upper carriage's assumed motion, as polynomials in the step's time."""
     h = held.duration
-    velocity, bend = _assumed_velocity(h, stages, _UPPER)
-    return stick_slip.Assumed(
+    return single.Assumed(
         branch=stages.upper,
-        velocity=velocity,
-        bend=bend,
-        load=_held_load(h, stages, _UPPER, response.damped),
+        velocity=_assumed_velocity(h, stages, UPPER),
+        load=_held_load(h, stages, UPPER, response.damped),
         limit=h * stages.middle.limit.upper,
-        # The stages hold it where it is.
-        unheld=jnp.zeros_like(h),
-        stiffness=-response.couplings[_UPPER],
+        stiffness=-response.couplings[UPPER],
     )
 
 
 def _pair_motion(
-    held: Inputs, stages: _Stages, responses: dict[int, stick_slip.Response], mass: Scalars
-) -> pulley_stick_slip.Assumed:
+    held: Inputs, stages: _Stages, responses: dict[int, Response], mass: Scalars
+) -> Assumed:
     """The assumed motion of the lower carriage and the height, likewise."""
     h = held.duration
-    velocities, bends = zip(*(_assumed_velocity(h, stages, i) for i in _PAIR), strict=True)
-    loads = [_held_load(h, stages, i, responses[i].damped) for i in _PAIR]
-    return pulley_stick_slip.Assumed(
+    loads = [_held_load(h, stages, i, responses[i].damped) for i in PAIR]
+    return Assumed(
         branch=stages.pair,
         mobility=stages.mobility,
-        velocity=velocities,
-        bend=bends,
+        velocity=tuple(_assumed_velocity(h, stages, i) for i in PAIR),
         load=tuple(
             Quadratic(*(mass[i] * part for part in load))
-            for i, load in zip(_PAIR, loads, strict=True)
+            for i, load in zip(PAIR, loads, strict=True)
         ),
-        damping=tuple(mass[i] * responses[i].damped for i in _PAIR),
-        stiffness=-mass[_LOWER] * responses[_LOWER].couplings[_LOWER],
+        damping=tuple(mass[i] * responses[i].damped for i in PAIR),
+        stiffness=-mass[LOWER] * responses[LOWER].couplings[LOWER],
     )
-
-
-def _deviated(
-    held: Inputs,
-    end: _Moving,
-    responses: dict[int, stick_slip.Response],
-    upper: stick_slip.Deviation,
-    pair: pulley_stick_slip.Deviation,
-    contacts: pulley_stick_slip.Contacts,
-) -> State:
-    """The end of the step under the true friction."""
-    deviations = {_UPPER: upper}
-    for i, moments in zip(_PAIR, zip(*pair.moments, strict=True), strict=True):
-        deviations[i] = stick_slip.Deviation(moments, moments[2:], pair.branch.origin != 0)
-    position, velocity = stick_slip.deviated(
-        *end, duration=held.duration, deviations=deviations, responses=responses
-    )
-    velocity[_UPPER] = jnp.where(upper.sticks, 0.0, velocity[_UPPER])
-    lower, height = pair.branch.exactly(tuple(velocity[i] for i in _PAIR), contacts.mass)
-    velocity[_PAIR[0]], velocity[_PAIR[1]] = lower, height
-    return State(jnp.stack(position), jnp.stack(velocity))
 
 
 def friction_coefficients(robot: Robot) -> Float[Array, "2"]:

@@ -18,10 +18,11 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.engines.stepping import Inputs, step
 from scdpr_jax.numerics.lean_scan import lean_scan
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.loop_elasticity import lengthening
-from scdpr_jax.robot.parameters import Robot, replace
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import State
 
 
 class Tensioner(eqx.Module):

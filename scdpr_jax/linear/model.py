@@ -14,6 +14,7 @@ from scdpr_jax.robot.cable import potential
 from scdpr_jax.robot.dynamics import dampings, drive_forces, knock_forces, masses
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import LOWER, UPPER
 
 
 def mass_matrix(robot: Robot) -> Float[Array, "4 4"]:
@@ -84,8 +85,8 @@ def external_forces(
         Forces [N, N m, N, N].
     """
     normal = 4 * robot.cable.effective_pretension
-    lower = robot.lower_carriage.friction.dry(velocity[2], normal)
-    upper = robot.upper_carriage.friction.dry(velocity[3], normal)
+    lower = robot.lower_carriage.friction.dry(velocity[LOWER], normal)
+    upper = robot.upper_carriage.friction.dry(velocity[UPPER], normal)
     drive = (torque[0] + torque[1]) / robot.drive.effective_radius
     zero = jnp.zeros_like(drive)
     return jnp.stack([zero, zero, drive - lower, -upper])
@@ -168,6 +169,9 @@ def without_drives(robot: Robot) -> Robot:
         The robot with drives of no inertia, damping and dry friction.
     """
     zero = jnp.zeros_like(robot.drive.inertia)
-    return eqx.tree_at(
-        lambda r: (r.drive.inertia, r.drive.damping, r.drive.friction), robot, (zero,) * 3
+    drive = eqx.tree_at(
+        lambda d: (d.inertia, d.damping, d.friction, d.friction_difference),
+        robot.drive,
+        (zero,) * 4,
     )
+    return eqx.tree_at(lambda r: r.drive, robot, drive)

@@ -16,6 +16,7 @@ from scdpr_jax.linear.model import mass_matrix, stiffness_matrix
 from scdpr_jax.robot.dynamics import masses
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import HEIGHT, LOWER, TILT, UPPER, X
 
 
 class Lower(enum.Enum):
@@ -44,9 +45,9 @@ class Condition(eqx.Module):
     @property
     def moving(self) -> tuple[int, ...]:
         r"""Which of $[x_e, \delta_e, q_3, q_4]$ move."""
-        lower = () if self.lower is Lower.HELD else (2,)
-        upper = () if self.upper is Upper.HELD else (3,)
-        return (0, 1, *lower, *upper)
+        lower = () if self.lower is Lower.HELD else (LOWER,)
+        upper = () if self.upper is Upper.HELD else (UPPER,)
+        return (X, TILT, *lower, *upper)
 
     @property
     def slides(self) -> bool:
@@ -149,7 +150,7 @@ def _elastic_problem(
     """
     mass = jnp.diagonal(mass_matrix(robot))
     if condition.lower is Lower.DRIVEN:
-        mass = masses(robot)[:4]
+        mass = masses(robot)[:HEIGHT]
     root = jnp.sqrt(mass)
     motions = jnp.eye(4, dtype=root.dtype)[jnp.asarray(condition.moving)]
     if condition.slides:

@@ -12,6 +12,7 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import HEIGHT, TILT
 
 
 class Path(NamedTuple):
@@ -96,7 +97,7 @@ def potential(robot: Robot, position: Float[Array, "5"]) -> Float[Array, ""]:
     alpha, beta, gamma = paths(robot, position)
     loop = 2 * robot.cable.effective_pretension * (alpha.length + beta.length + gamma.length)
     spring = robot.cable.stiffness * jnp.square(lengthening(robot, position)) / 2
-    return loop + spring + robot.end_effector.mass * robot.gravity * position[4]
+    return loop + spring + robot.end_effector.mass * robot.gravity * position[HEIGHT]
 
 
 def lengthening(robot: Robot, position: Float[Array, "5"]) -> Float[Array, ""]:
@@ -176,7 +177,7 @@ def loop_forces(robot: Robot, position: Float[Array, "5"]) -> LoopForces:
         path.direction for path in paths(robot, position)
     )
     a, b = robot.end_effector.lower_offset, robot.end_effector.upper_offset
-    tilt = jnp.unstack(position)[1]
+    tilt = jnp.unstack(position)[TILT]
     sine, cosine = _direction(tilt)
     lower_arm = a * (sin_a * cosine - cos_a * sine)
     upper_arm = b * (sin_b * cosine - cos_b * sine)
@@ -207,7 +208,7 @@ def carriage_stiffness(robot: Robot, position: Float[Array, "5"]) -> Float[Array
     alpha, beta, gamma = paths(robot, position)
     (sin_a, cos_a), (sin_b, cos_b), (_, cos_g) = (p.direction for p in (alpha, beta, gamma))
     a, b = robot.end_effector.lower_offset, robot.end_effector.upper_offset
-    tilt = jnp.unstack(position)[1]
+    tilt = jnp.unstack(position)[TILT]
     sine, cosine = _direction(tilt)
     k_a, k_b, k_g = cos_a / alpha.length, cos_b / beta.length, jnp.square(cos_g) / gamma.length
     lower = [

@@ -1,54 +1,17 @@
 r"""The nonlinear equations of motion: minus the gradient of the potential, drives, friction.
 
-Coordinates $q = [x_e, \delta_e, q_3, q_4, y_e]$. The loop is clamped below the
-end-effector and inextensible, so that the driver pulleys follow the lower carriage and
-the height: the drives' inertia and damping belong to $q_3$ and $y_e$.
+The driver pulleys follow the lower carriage and the height (`scdpr_jax.robot.state`), so that
+the drives' inertia and damping belong to $q_3$ and $y_e$. In these coordinates the mass matrix
+is diagonal and constant: accelerations are a division, where coordinates of the motors would
+need a solve in every stage of every step.
 """
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.robot.cable import LoopForces, loop_forces, potential
-from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.parameters import Robot
-
-
-class State(eqx.Module):
-    """Coordinates and velocities of the robot."""
-
-    position: Float[Array, "... 5"] = eqx.field(converter=real, metadata=si("m, rad", "q"))
-    r"""$[x_e, \delta_e, q_3, q_4, y_e]$ [m, rad, m, m, m]."""
-    velocity: Float[Array, "... 5"] = eqx.field(
-        converter=real, metadata=si("m/s, rad/s", r"\dot q")
-    )
-    """Its time derivative [m/s, rad/s, m/s, m/s, m/s]."""
-
-
-def rest(
-    robot: Robot,
-    lower: Float[Array, ""],
-    upper: Float[Array, ""],
-    height: Float[Array, ""],
-) -> State:
-    r"""The robot at rest with its carriages at given places.
-
-    The end-effector has no friction, so at rest it lies on the straight line between the
-    carriages: $\alpha = \beta = \gamma = \delta_e$. Friction holds the carriages while
-    $|\tan\gamma| \le \mu$.
-
-    Args:
-        robot: The robot.
-        lower: Place $q_3$ of the lower carriage [m].
-        upper: Place $q_4$ of the upper carriage [m].
-        height: Height $y_e$ of the end-effector [m].
-
-    Returns:
-        State at rest.
-    """
-    slope = (lower - upper) / robot.frame.height
-    position = jnp.stack([lower - slope * height, jnp.arctan(slope), lower, upper, height])
-    return State(position, jnp.zeros_like(position))
+from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, driven
 
 
 def masses(robot: Robot) -> Float[Array, "5"]:
@@ -119,7 +82,7 @@ def pulley_rates(robot: Robot, velocity: Float[Array, "5"]) -> Float[Array, "2"]
     Returns:
         $[\dot\alpha_1, \dot\alpha_2]$ [rad/s].
     """
-    lower, height = velocity[2], velocity[4]
+    lower, height = driven(velocity)
     return jnp.stack([lower + height, lower - height]) / robot.drive.effective_radius
 
 
@@ -178,7 +141,7 @@ def gravity_force(robot: Robot) -> Float[Array, "5"]:
         Forces on the coordinates [N, N m, N, N, N].
     """
     weight = robot.end_effector.mass * robot.gravity
-    return jnp.zeros(5, dtype=weight.dtype).at[4].set(-weight)
+    return jnp.zeros(5, dtype=weight.dtype).at[HEIGHT].set(-weight)
 
 
 def drive_friction(robot: Robot, velocity: Float[Array, "5"]) -> Float[Array, "2"]:
@@ -212,7 +175,10 @@ def friction_forces(
     """
     lower, upper = robot.lower_carriage.friction, robot.upper_carriage.friction
     return jnp.stack(
-        [lower.dry(velocity[2], loop.normal[0]), upper.dry(velocity[3], loop.normal[1])]
+        [
+            lower.dry(velocity[LOWER], loop.normal[0]),
+            upper.dry(velocity[UPPER], loop.normal[1]),
+        ]
     )
 
 
@@ -240,7 +206,7 @@ def accelerations(
     driven = torque - drive_friction(robot, state.velocity)
     smooth = smooth_forces(robot, loop, state.velocity, torque=driven, knock=knock)
     dry = friction_forces(robot, loop, state.velocity)
-    return smooth.at[2:4].add(-dry) / masses(robot)
+    return smooth.at[LOWER:HEIGHT].add(-dry) / masses(robot)
 
 
 def energy(robot: Robot, state: State) -> Float[Array, ""]:

@@ -1,8 +1,12 @@
 """Fields of the frozen data types: floating-point leaves that know their unit."""
 
+import dataclasses
 from typing import Any
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 
@@ -32,3 +36,42 @@ def si(unit: str, symbol: str = "") -> dict[str, str]:
         What `equinox.field(metadata=...)` takes.
     """
     return {"unit": unit, "symbol": symbol}
+
+
+def described(record: eqx.Module) -> str:
+    """The numbers of a record with their names and units, on one line.
+
+    Args:
+        record: A record whose fields have a unit, or are such records.
+
+    Returns:
+        The line, without what is as it is by default.
+    """
+    parts = []
+    for field in dataclasses.fields(record):
+        content = getattr(record, field.name)
+        if isinstance(content, eqx.Module):
+            parts.append(f"{field.name} {type(content).__name__}({described(content)})")
+        elif not (_concrete(content) and float(content) == field.default):
+            parts.append(f"{field.name} {measured(content, field.metadata.get('unit', '1'))}")
+    return ", ".join(parts)
+
+
+def measured(number: Any, unit: str) -> str:
+    """A number and its unit; an array of several, or a traced one, as its shape.
+
+    Args:
+        number: The number.
+        unit: Its SI unit, "1" for none.
+
+    Returns:
+        The text.
+    """
+    text = f"{float(number):.4g}" if _concrete(number) else eqx.tree_pformat(number)
+    return text if unit == "1" else f"{text} {unit}"
+
+
+def _concrete(number: Any) -> bool:
+    return isinstance(number, jax.Array | np.ndarray | float) and not (
+        isinstance(number, jax.core.Tracer) or np.ndim(number)
+    )

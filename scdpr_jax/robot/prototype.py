@@ -7,22 +7,15 @@ reasons at length.
 from typing import NamedTuple
 
 from scdpr_jax.robot.friction import Coulomb
-from scdpr_jax.robot.parameters import (
-    Cable,
-    Carriage,
-    Drive,
-    EndEffector,
-    Frame,
-    Robot,
-    replace,
-)
+from scdpr_jax.robot.parameters import Cable, Carriage, Drive, EndEffector, Frame, Robot
+from scdpr_jax.robot.quantities import replace
 
 
 class Source(NamedTuple):
     """Where a number comes from, and what is printed for it."""
 
     name: str
-    """Name of the quantity, see `scdpr_jax.robot.parameters.QUANTITIES`."""
+    """Name of the quantity, see `scdpr_jax.robot.quantities.QUANTITIES`."""
     published: float
     """As printed, in SI units."""
     consistent: float

@@ -8,11 +8,12 @@ import numpy as np
 from experiments.virtual_rig.recovery import SETTING, draw, simulated
 from identification.campaign import CameraStream, Campaign, DriveStream, Knock, Run
 from identification.campaign.types import default_sensors, encoder_resolution
+from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import apply, encode
 from identification.next_run.excitation import KNOCK_TIME, REST, STEP, Excitation
 from identification.next_run.expected_information import Rig, rig_errors
-from identification.result.estimate import estimate
-from scdpr_jax.robot.parameters import quantity, replace, value
+from identification.result.estimation import estimate
+from scdpr_jax.robot.quantities import quantity, replace, value
 
 PERIOD, SUBSTEPS = 1e-3, 2
 COUNTS = 2000.0
@@ -107,7 +108,7 @@ def errors(rig, found, start, excitation, truths, *, seed):
     for number, truth in enumerate(np.asarray(truths)):
         robot = apply(rig.robot, rig.names, jnp.asarray(truth))
         run = logged(robot, excitation, [seed, number])
-        fitted = estimate(campaign(robot, start, run), robot=found.robot)
+        fitted = estimate(campaign(robot, start, run), FitOptions(robot=found.robot))
         values = {p.name: p.value for p in fitted.parameters}
         # A quantity at its bound of zero is off by what it should be.
         held = [encode(n, values[n]) for n in rig.names]

@@ -4,29 +4,28 @@ import numpy as np
 
 from identification.campaign.faults import Fault
 from identification.campaign.types import CameraStream, Campaign, DriveStream, Knock, Run
+from identification.data.circumstances import Circumstances
 from identification.fit.comparison import Channel, Comparison
-from identification.fit.residuals import Circumstances
 from identification.fit.starts import Valley
 from identification.fit.unknowns.models import Model
 from identification.judge.identifiability import Combination, Identifiability
 from identification.judge.influence import Influence
 from identification.judge.uncertainty import ParameterEstimate
 from identification.knocks.frequency_map import FrequencyMap
+from identification.knocks.ring_down import ring_down
 from identification.result.estimate import Estimate, Fit
+from identification.result.fitted_robot import FittedRobot
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.legs.leg import Leg
+from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.prototype import consistent
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
-from tuning.result.types import (
-    Metrics,
-    Prediction,
-    Region,
-    RegionalShaper,
-    ResidualVibration,
-    TrackingRun,
-    Tuning,
-)
+from tuning.result.prediction import Metrics, Prediction
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import Tuning
 
 ENCODER_SIGMA, CAMERA_SIGMA, ANGLE_SIGMA = 1e-4, 2e-4, 2e-3
 TRUTH = {"friction_coefficient": 0.01301, "effective_pretension": 85.5}
@@ -229,9 +228,11 @@ def estimate(*, off=0.0, held_out=True, parameters=None, models=()):
     parameters = estimated_parameters() if parameters is None else parameters
     fixed = parameter("frame_width", 2.224, 0.0, unit="m", status="fixed")
     return Estimate(
-        robot=consistent(),
-        parameters=(*parameters, fixed),
-        correlation=np.array([[1.0, 0.1, -0.97], [0.1, 1.0, 0.2], [-0.97, 0.2, 1.0]]),
+        fitted=FittedRobot(
+            robot=consistent(),
+            parameters=(*parameters, fixed),
+            correlation=np.array([[1.0, 0.1, -0.97], [0.1, 1.0, 0.2], [-0.97, 0.2, 1.0]]),
+        ),
         circumstances={"0001-manoeuvre": Circumstances(0.9, 0.9, 0.5, 0.0, 0.0, 0.0123, 0.0)},
         comparisons=(
             comparison("0001-manoeuvre", off=off),
@@ -266,7 +267,14 @@ def frequencies():
         fft_frequency=np.array([3.19]),
         residuals_are_noise=np.array([True]),
         runs=("0003-pseudo-impulse",),
+        ring_downs=(knock_ring_down(),),
     )
+
+
+def knock_ring_down():
+    """The ring-down of the campaign's knock."""
+    camera = campaign().runs[2].camera
+    return ring_down(camera.time, camera.position[:, 0], noise_sigma=CAMERA_SIGMA, after=0.43)
 
 
 def tracking_run(*, swing):
@@ -274,13 +282,16 @@ def tracking_run(*, swing):
     time = np.arange(200) * 0.01
     along = np.clip(time, 0, 1)
     reference = np.stack([0.3 + along, np.full(200, 0.5)], axis=1)
-    position = reference + np.stack([swing * np.cos(20 * time), np.zeros(200)], axis=1)
-    return TrackingRun(
+    place = reference[:, 0] + swing * np.cos(20 * time)
+    still = np.zeros(200)
+    position = np.stack([place, still, place, place, reference[:, 1]], axis=1)
+    return Leg(
         time=time,
         reference=reference,
         commanded=reference,
-        position=position,
+        states=State(position, np.zeros((200, 5))),
         voltage=np.zeros((199, 2)),
+        measures=LegMeasures(*np.zeros(10)),
     )
 
 

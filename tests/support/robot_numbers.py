@@ -4,7 +4,7 @@ import dataclasses
 
 from event_by_event import Numbers
 
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 
 def numbers_of(robot):

@@ -4,10 +4,12 @@ import jax.numpy as jnp
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from tuning.loop.margins import Margins
-from tuning.result.types import FittedSetting, Region, RegionalShaper, ResidualVibration, Tuning
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 from tuning.shapers.catalogue import ei, um_zv, zv
 
 WIDTH, HEIGHT = 2.224, 1.112  # m, of the frame

@@ -20,14 +20,15 @@ from scdpr_jax.linear.model import external_forces, mass_matrix
 from scdpr_jax.linear.stiffness import cable_lengths
 from scdpr_jax.robot.cable import loop_forces, paths, potential
 from scdpr_jax.robot.drive import drive_pole, motor_torque, transfer_function
-from scdpr_jax.robot.dynamics import drive_forces, pulley_rates, rest
+from scdpr_jax.robot.dynamics import drive_forces, pulley_rates
 from scdpr_jax.robot.loop_elasticity import (
     consistent_section,
     loop_stiffness,
     published_section,
 )
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent, published
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import TILT, pose, rest
 from scdpr_jax.statics.workspace import frame_share, static_workspace
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -70,7 +71,7 @@ def test_printed_radius_lets_experiment_1_move_by_a_sixth_of_a_metre_at_most():
 
 def test_consistent_radius_takes_experiment_1_across_the_frame_and_no_further(consistent_run):
     assert consistent_run[-1, 0] > 1.6
-    assert static_workspace(ROBOT).contains(consistent_run[-1, jnp.array([0, 4])])
+    assert static_workspace(ROBOT).contains(pose(consistent_run[-1]))
 
 
 rate = st.floats(-2, 2)
@@ -217,10 +218,10 @@ def test_horizontal_manoeuvre_at_its_printed_time_a_leg_errs_by_half_of_what_is_
     start = rest(ROBOT, jnp.asarray(0.3), jnp.asarray(0.3), jnp.asarray(0.55))
     run = jax.jit(closed_loop)(ROBOT, start, published_pd(), reference=reference)
     position = np.asarray(run.states.position)
-    error = np.linalg.norm(position[:, [0, 4]] - np.asarray(reference), axis=1)
+    error = np.linalg.norm(pose(position) - np.asarray(reference), axis=1)
     # Reported: 50 mm and 3.2 degrees, which it comes near at 2 s a leg.
     assert error.max() < 0.030
-    assert np.rad2deg(np.abs(position[:, 1]).max()) < 2.0
+    assert np.rad2deg(np.abs(position[:, TILT]).max()) < 2.0
 
 
 def test_height_of_section_2_1_would_make_a_plate_of_a_third_of_a_millimetre():

@@ -39,7 +39,7 @@ def front(
         ValueError: If they can't in any.
     """
     times = sorted(move_times)
-    limit = float(np.min(models.robot.drive.voltage_limit))
+    limit = float(np.min(models.ensemble.robot.drive.voltage_limit))
     designs: list[Designed] = []
     for number, time in enumerate(times):
         found = co_design(
@@ -89,10 +89,10 @@ def usual_move_times(models: Models, *, count: int) -> tuple[float, ...]:
     Returns:
         The times [s], in whole twentieths.
     """
-    drive = models.robot.drive
+    drive = models.ensemble.robot.drive
     top_speed = np.min(drive.voltage_limit * drive.torque_per_volt / drive.damping)
     radius = float(np.min(drive.effective_radius))
-    longest = float(np.max(np.abs(models.end[:, 0] - models.start[:, 0])))
+    longest = float(np.max(np.abs(models.end[:, 0] - models.ensemble.position[:, 0])))
     quickest = 1.5 * longest / (top_speed * radius)
     times = quickest * np.geomspace(_SHORTEST, _LONGEST, count)
     return tuple(float(np.ceil(20 * time) / 20) for time in times)

@@ -5,6 +5,7 @@ catalogue's shapers are ranked, and descended from, on a few of the models; all 
 only the last descent, and what is found is run at the controllers' own rate.
 """
 
+import dataclasses
 import functools
 import itertools
 from collections.abc import Callable, Sequence
@@ -17,9 +18,11 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.legs.command_law import unshaped as no_shaper
+from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.linear.modes import held_frequency
-from tuning.codesign.legs import Command, Found, Grid, grid, linearise, run
 from tuning.codesign.models import Models
+from tuning.codesign.outcomes import Command, Grid, Outcome, grid, linearise, run
 from tuning.codesign.tail import descend, value_at_risk
 from tuning.codesign.unknowns import IMPULSES, Law, Unknowns, command, law, plain_profile, start
 from tuning.loop.admissible import Admissible
@@ -54,27 +57,33 @@ class _Start(NamedTuple):
     """The flat unknowns of nearly the same one."""
 
 
-class Designed(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Designed:
     """A design and what it comes to."""
 
     law: Law
     """Gains, impulses and leg."""
     move_time: float
     """Time from the reference's begin to its end, the shaper included [s]."""
-    found: Found
+    outcomes: Outcome
     """What every model comes to under it, at the controllers' own rate."""
     point: Float[np.ndarray, " n"] | None = None
     """Its flat unknowns, where a descent ended in it."""
 
     @property
+    def measures(self) -> LegMeasures:
+        """What each leg comes to, in numbers."""
+        return self.outcomes.measures
+
+    @property
     def cost(self) -> float:
         """Mean cost of the worst `SHARE` of the models [1]."""
-        return value_at_risk(np.asarray(self.found.cost), SHARE)
+        return value_at_risk(np.asarray(self.outcomes.cost), SHARE)
 
     @property
     def vibration(self) -> float:
         """Mean vibration of the worst `SHARE` of the models, peak to peak [m]."""
-        return value_at_risk(np.asarray(self.found.vibration), SHARE)
+        return value_at_risk(np.asarray(self.measures.residual_vibration), SHARE)
 
     def keeps_voltage(self, limit: float) -> bool:
         """Whether no model's drives come to their limit.
@@ -85,7 +94,7 @@ class Designed(NamedTuple):
         Returns:
             Whether none does.
         """
-        return bool(np.max(self.found.largest_voltage) < limit)
+        return bool(np.max(self.measures.largest_voltage) < limit)
 
 
 def co_design(
@@ -146,7 +155,8 @@ def co_design(
     progress("co-design: at the controllers' rate", 0.9)
     ends = (_Start(objective.law(jnp.asarray(last.point)), last.point), starts[0])
     designs = [
-        evaluate(models, one.law, longest=longest)._replace(point=one.point) for one in ends
+        dataclasses.replace(evaluate(models, end.law, longest=longest), point=end.point)
+        for end in ends
     ]
     return best_of(designs, models)
 
@@ -161,7 +171,7 @@ def best_of(designs: Sequence[Designed], models: Models) -> Designed:
     Returns:
         The best one, the first of equals.
     """
-    limit = float(np.min(models.robot.drive.voltage_limit))
+    limit = float(np.min(models.ensemble.robot.drive.voltage_limit))
     return min(designs, key=lambda one: (not one.keeps_voltage(limit), one.cost))
 
 
@@ -192,7 +202,7 @@ def unshaped(controller: PD, *, move_time: float) -> Law:
     Returns:
         The law.
     """
-    return shaped(controller, Shaper(jnp.zeros(1), jnp.ones(1)), move_time=move_time)
+    return shaped(controller, no_shaper(), move_time=move_time)
 
 
 def shaped(controller: PD, shaper: Shaper, *, move_time: float) -> Law:
@@ -253,7 +263,7 @@ def held_frequencies(models: Models) -> tuple[float, float, float]:
 
 @jax.jit
 def _held(models: Models) -> Float[Array, " n"]:
-    return jax.vmap(lambda model: held_frequency(model.robot, model.end[1]))(models)
+    return jax.vmap(lambda model: held_frequency(model.ensemble.robot, model.end[1]))(models)
 
 
 def scattered(count: int, most: int) -> np.ndarray:

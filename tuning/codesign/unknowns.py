@@ -6,7 +6,6 @@ that it stays what it is. The leg is a Bézier curve of seventh order from rest 
 """
 
 import itertools
-from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -17,7 +16,8 @@ from jaxtyping import Array, Float
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.command.trajectory import QUARTIC
-from tuning.codesign.legs import Command, Grid
+from scdpr_jax.robot.fields import si
+from tuning.codesign.outcomes import Command, Grid
 from tuning.loop.admissible import Admissible
 
 ORDER = 7
@@ -61,16 +61,16 @@ class Unknowns(eqx.Module):
         return cls(*jnp.split(row, np.cumsum([2, IMPULSES - 1, IMPULSES - 1])))
 
 
-class Law(NamedTuple):
+class Law(eqx.Module):
     """A design as it is run."""
 
     controller: PD
     """The PD controller of both drives."""
     shaper: Shaper
     """The impulses."""
-    profile: Float[Array, " points"]
+    profile: Float[Array, " points"] = eqx.field(metadata=si("1"))
     """Share of the way at each of the leg's control points [1]."""
-    leg_time: Float[Array, ""]
+    leg_time: Float[Array, ""] = eqx.field(metadata=si("s"))
     """Time of the leg, without the shaper [s]."""
 
 

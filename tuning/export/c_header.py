@@ -8,7 +8,7 @@ from scdpr_jax.command.shaper import Shaper
 from tuning.export.description import Constants, Description, decimal
 from tuning.export.template import fill_in
 from tuning.regions.schedule import grids_of, handover_widths
-from tuning.result.types import Range, RegionalShaper
+from tuning.result.regional_shaper import Range, RegionalShaper
 
 FILE = "scdpr_controller.h"
 """The file's name."""

@@ -8,7 +8,8 @@ from jaxtyping import Array, Float
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.fields import si
 from tuning.loop.plant import MotorPlant
-from tuning.result.types import RegionalShaper, Tuning
+from tuning.result.regional_shaper import RegionalShaper
+from tuning.result.tuning import Tuning
 
 
 @dataclasses.dataclass(frozen=True)

@@ -6,7 +6,7 @@ import io
 from collections.abc import Iterable, Iterator
 
 from tuning.export.description import Constants, Description, decimal
-from tuning.result.types import Region, RegionalShaper
+from tuning.result.regional_shaper import Region, RegionalShaper
 
 CONTROLLER_FILE = "controller.csv"
 """Name of the table of the controller's numbers."""

@@ -7,7 +7,7 @@ from jaxtyping import Array, Float
 from tuning.export.description import Constants, Description, decimal
 from tuning.export.template import fill_in
 from tuning.loop.plant import MotorPlant
-from tuning.result.types import Range, RegionalShaper
+from tuning.result.regional_shaper import Range, RegionalShaper
 
 FILE = "scdpr_controller.m"
 """The file's name."""

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 from tuning.export.description import describe
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 if TYPE_CHECKING:
     import control

@@ -5,7 +5,7 @@ import pathlib
 from scdpr_jax.numerics.files import write_whole
 from tuning.export import c_header, labview, matlab
 from tuning.export.description import describe
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 FORMATS = (
     (c_header.FILE, c_header.c_header),

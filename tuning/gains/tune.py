@@ -1,6 +1,5 @@
 """From a fitted robot and its measured frequencies to gains and shapers."""
 
-import dataclasses
 from typing import Protocol, runtime_checkable
 
 import jax
@@ -9,38 +8,32 @@ import numpy as np
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
+from scdpr_jax.legs.command_law import unshaped
+from scdpr_jax.legs.ensemble import single
+from scdpr_jax.legs.leg import Leg
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot, exact
-from tuning.gains.optimise import (
+from tuning.gains.design import IMPULSES
+from tuning.gains.manoeuvre import (
     COARSE_PERIOD,
-    IMPULSES,
-    LEG_TIMES,
-    Effort,
-    Progress,
     Task,
     alone,
+    at_period,
     losses,
-    optimise,
     runs,
     samples_for,
     track,
-    unshaped,
 )
+from tuning.gains.optimise import LEG_TIMES, Effort, Progress, optimise
 from tuning.loop.admissible import admissible
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import MotorPlant
 from tuning.loop.worst_margins import margin_map, worst_margins
 from tuning.regions.cells import Cell, Frequencies, cells_of, other_modes, robot_in
 from tuning.regions.residual_map import worst_in_band
-from tuning.result.types import (
-    FittedSetting,
-    Metrics,
-    Prediction,
-    RegionalShaper,
-    ResidualVibration,
-    TrackingRun,
-    Tuning,
-)
+from tuning.result.prediction import Metrics, Prediction
+from tuning.result.regional_shaper import RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 from tuning.shapers.catalogue import CATALOGUE
 
 _SPAN = (0.3 / 2.224, 1.9 / 2.224)
@@ -144,7 +137,8 @@ def tune(
     )
     fitted = tuple(FittedSetting(s, robot) for s, robot in robots.items())
     progress("margins over the workspace", 0.97)
-    plant = MotorPlant(gain=drive_gain(task.robot.drive), pole=drive_pole(task.robot.drive))
+    drive = robots[setting].drive
+    plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
     return Tuning(
         controller=found.controller,
         margins=sampled_margins(plant, found.controller),
@@ -170,7 +164,7 @@ def _reference_cell(cells: tuple[Cell, ...], robot: Robot) -> Cell:
 def _task(robot: Robot, *, height: float) -> Task:
     width = float(robot.frame.width)
     start, turn = (jnp.asarray([share * width, height]) for share in _SPAN)
-    return Task(robot, start, turn)
+    return Task(single(robot, start), turn)
 
 
 def _shapers(
@@ -183,7 +177,7 @@ def _shapers(
     leg_times: tuple[float, ...],
 ) -> list[RegionalShaper]:
     """The best shaper of each cell; that of the reference cell is the optimised one."""
-    coarse = PD(controller.proportional_gain, controller.derivative_gain, COARSE_PERIOD)
+    coarse = at_period(COARSE_PERIOD, controller)
     candidates = [_candidates(cell, optimised, reference) for cell in cells]
     tasks = [_task(robot_in(cell, robot), height=cell.height) for cell in cells]
     each = jax.tree.map(lambda *leaves: jnp.stack(leaves), *tasks)
@@ -258,7 +252,7 @@ def prepare(
     """
     task = _task(exact(robot), height=_HEIGHT * float(robot.frame.height))
     once = Effort(effort.population, generations=1, descents=min(effort.descents, 1))
-    optimise(task, admissible([task.robot]), leg_times=leg_times, effort=once)
+    optimise(task, admissible([task.ensemble.robot]), leg_times=leg_times, effort=once)
     _predict(task, published_pd(), unshaped(IMPULSES), leg_times[0], longest=max(leg_times))
 
 
@@ -269,22 +263,11 @@ def _predict(
     leg = jnp.asarray(leg_time)
     count = shaper.times.size
 
-    def simulate(pd: PD, impulses: Shaper) -> tuple[Metrics, TrackingRun]:
+    def simulate(pd: PD, impulses: Shaper) -> tuple[Metrics, Leg]:
         # As many for every leg time, so that it compiles once; the rest is cut off.
         most, samples = (samples_for(t, float(pd.period)) for t in (longest, leg_time))
-        found = _run(task, pd, impulses, leg, samples=most)
-        position = np.asarray(found.run.states.position)[:, [0, 4]]
-        numbers = {
-            field.name: float(getattr(found.scores, field.name))
-            for field in dataclasses.fields(Metrics)
-        }
-        return Metrics(**numbers), TrackingRun(
-            time=np.asarray(found.run.time)[:samples],
-            reference=np.asarray(found.reference)[:samples],
-            commanded=np.asarray(found.commanded)[:samples],
-            position=position[:samples],
-            voltage=np.asarray(found.run.voltage)[: samples - 1],
-        )
+        run = _run(task, pd, impulses, leg, samples=most)
+        return Metrics.of(run.measures), run.until(samples)
 
     before, run_before = simulate(published_pd(), padded(unshaped(), count))
     after, run_after = simulate(controller, shaper)

@@ -11,12 +11,10 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.engines.stepping import friction_coefficients
 from scdpr_jax.robot.cable import loop_forces
-from scdpr_jax.robot.dynamics import State, dampings, gravity_force, masses, pulley_rates
+from scdpr_jax.robot.dynamics import dampings, drive_friction, gravity_force, masses
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
-
-DRIVEN = (2, 4)
-"""The coordinates that the drives act on, $q_3$ and $y_e$."""
+from scdpr_jax.robot.state import HEIGHT, LOWER, State, driven
 
 TURN_ROUND = 2e-3
 """Velocity over which the compensated friction turns round [m/s]: a step of the commands
@@ -34,31 +32,29 @@ class Motion(eqx.Module):
     """Accelerations [m/s²]."""
 
 
-def inverse_dynamics(robot: Robot, state: State, wanted: Motion) -> Float[Array, "2"]:
-    r"""Commands under which lower carriage and height accelerate as wanted.
+def inverse_dynamics(robot: Robot, state: State, motion: Motion) -> Float[Array, "2"]:
+    r"""Commands under which lower carriage and height accelerate as motion.
 
     $$ f = m \ddot q + d \dot q + \mu N \tanh(\dot q / v_s) + \partial V / \partial q,
        \qquad \tau = \tfrac{r}{2} [f_3 + f_y,\; f_3 - f_y] $$
 
-    with the friction of the lower carriage only, and the drives' own added to $\tau$.
+    with the friction of the lower carriage only, and each drive's own added to its $\tau$.
 
     Args:
         robot: The robot.
         state: Its state, of which the loop's pull is taken.
-        wanted: The motion at that moment; its velocity decides which way friction acts.
+        motion: The motion at that moment; its velocity decides which way friction acts.
 
     Returns:
         Commands of both drives, not saturated [V].
     """
-    coordinates = jnp.asarray(DRIVEN)
     loop, drive = loop_forces(robot, state.position), robot.drive
-    pull = (loop.pull + gravity_force(robot))[coordinates]
-    inertial = masses(robot)[coordinates] * wanted.acceleration
-    viscous = dampings(robot)[coordinates] * wanted.velocity
+    pull = driven(loop.pull + gravity_force(robot))
+    inertial = driven(masses(robot)) * motion.acceleration
+    viscous = driven(dampings(robot)) * motion.velocity
     limit = friction_coefficients(robot)[0] * loop.normal[0]
-    dry = limit * jnp.tanh(wanted.velocity[0] / TURN_ROUND)
+    dry = limit * jnp.tanh(motion.velocity[0] / TURN_ROUND)
     force = (inertial + viscous - pull).at[0].add(dry)
     torque = drive.effective_radius / 2 * jnp.stack([force[0] + force[1], force[0] - force[1]])
-    moving = jnp.zeros(5, dtype=force.dtype).at[coordinates].set(wanted.velocity)
-    own = drive.friction * jnp.tanh(pulley_rates(robot, moving) / drive.friction_width)
-    return (torque + own) / drive.torque_per_volt
+    moving = jnp.zeros(5, dtype=force.dtype).at[LOWER :: HEIGHT - LOWER].set(motion.velocity)
+    return (torque + drive_friction(robot, moving)) / drive.torque_per_volt

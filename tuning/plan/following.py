@@ -2,18 +2,16 @@
 
 from typing import NamedTuple
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD, saturate
 from scdpr_jax.engines.stepping import Inputs, step
 from scdpr_jax.numerics.lean_scan import lean_scan
-from scdpr_jax.robot.dynamics import State, rest
-from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.kinematics import inverse_kinematics
 from scdpr_jax.robot.parameters import Robot
-from tuning.plan.feedforward import DRIVEN, Motion, inverse_dynamics
+from scdpr_jax.robot.state import State, driven
+from tuning.plan.feedforward import Motion, inverse_dynamics
 
 
 class Followed(NamedTuple):
@@ -52,65 +50,22 @@ def follow(
     Returns:
         The run.
     """
-    coordinates = jnp.asarray(DRIVEN)
     radius = robot.drive.effective_radius
     still = jnp.zeros((), dtype=period.dtype)
 
     def advance(
-        state: State, wanted: tuple[Motion, Motion]
+        state: State, motion: tuple[Motion, Motion]
     ) -> tuple[State, tuple[State, Float[Array, "2"], Float[Array, "2"]]]:
-        now, ahead = wanted
-        error = inverse_kinematics(now.position - state.position[coordinates], radius)
-        rate = inverse_kinematics(now.velocity - state.velocity[coordinates], radius)
+        now, ahead = motion
+        error = inverse_kinematics(now.position - state.driven, radius)
+        rate = inverse_kinematics(now.velocity - driven(state.velocity), radius)
         forward = inverse_dynamics(robot, state, ahead)
         voltage = (
             forward + controller.proportional_gain * error + controller.derivative_gain * rate
         )
-        held = Inputs(period, saturate(voltage, robot.drive.voltage_limit), still)
-        following = step(robot, state, held)
+        inputs = Inputs(period, saturate(voltage, robot.drive.voltage_limit), still)
+        following = step(robot, state, inputs)
         return following, (following, forward, voltage)
 
     _, (states, forward, voltage) = lean_scan(advance, start, (instants, middles))
     return Followed(states, forward, voltage)
-
-
-class Scenario(eqx.Module):
-    """A robot as it might be, and how its upper carriage lies before a leg."""
-
-    tension: Float[Array, "..."] = eqx.field(metadata=si("1"))
-    """Effective pretension over the fitted one [1]."""
-    friction: Float[Array, "..."] = eqx.field(metadata=si("1"))
-    """Friction force of the carriages over the fitted one [1]."""
-    slope: Float[Array, "..."] = eqx.field(metadata=si("1"))
-    r"""Slope of the line between the carriages over what friction holds, $\\mu$ [1]."""
-
-
-def begin(robot: Robot, scenario: Scenario, position: Float[Array, "2"]) -> tuple[Robot, State]:
-    """A scenario's robot, at rest with its end-effector at a position.
-
-    Args:
-        robot: The fitted robot.
-        scenario: The scenario.
-        position: Where the end-effector rests [m].
-
-    Returns:
-        The robot and its state.
-    """
-    coefficient = robot.lower_carriage.friction.coefficient
-    changed = eqx.tree_at(
-        lambda r: (
-            r.cable.effective_pretension,
-            r.lower_carriage.friction.coefficient,
-            r.upper_carriage.friction.coefficient,
-        ),
-        robot,
-        (
-            robot.cable.effective_pretension * scenario.tension,
-            coefficient * scenario.friction / scenario.tension,
-            robot.upper_carriage.friction.coefficient * scenario.friction / scenario.tension,
-        ),
-    )
-    slope = scenario.slope * coefficient
-    x, y = position
-    lower = x + slope * y
-    return changed, rest(changed, lower, lower - slope * robot.frame.height, y)

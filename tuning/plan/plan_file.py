@@ -3,12 +3,11 @@
 import csv
 import io
 import pathlib
-from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 
 from scdpr_jax.numerics.files import write_whole
+from tuning.plan.plan import Plan
 
 COLUMNS = (
     "t [s]",
@@ -20,19 +19,6 @@ COLUMNS = (
     "feedforward_2 [V]",
 )
 """The header."""
-
-
-class Plan(NamedTuple):
-    """A planned leg as the controller reads it; the last row is held."""
-
-    time: Float[np.ndarray, " samples"]
-    """Times from the leg's begin [s]."""
-    position: Float[np.ndarray, "samples 2"]
-    """Where the end-effector is to be, $[x_e, y_e]$ [m]."""
-    angle: Float[np.ndarray, "samples 2"]
-    """Angles of the driver pulleys from those at the leg's begin [rad]."""
-    feedforward: Float[np.ndarray, "samples 2"]
-    """Commands to add to the PD's [V]."""
 
 
 def plan_table(plan: Plan) -> str:

@@ -10,8 +10,9 @@ from jaxtyping import Float
 
 from scdpr_jax.linear.modes import BOTH_HELD, held_frequency, natural_frequencies
 from scdpr_jax.robot.fields import si
-from scdpr_jax.robot.parameters import Robot, replace, value
-from tuning.result.types import Range, Region
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import replace, value
+from tuning.result.regional_shaper import Range, Region
 
 SAME_PLACE = 0.1
 """Knocks nearer than this are at one place of the grid [m]."""

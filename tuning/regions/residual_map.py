@@ -16,7 +16,7 @@ from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.statics.workspace import static_workspace
 from tuning.loop.worst_margins import reach
 from tuning.regions.schedule import Schedule, regions_at, schedule_of
-from tuning.result.types import Tuning
+from tuning.result.tuning import Tuning
 
 _BAND_POINTS = 9
 """Frequencies at which a band is looked at; a shaper of 1 s has no structure between."""

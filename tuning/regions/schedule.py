@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from scdpr_jax.command.shaper import Shaper, padded, shape_samples
 from scdpr_jax.command.trajectory import Trajectory
 from scdpr_jax.robot.fields import real, si
-from tuning.result.types import Range, RegionalShaper
+from tuning.result.regional_shaper import Range, RegionalShaper
 
 HANDOVER = 0.5
 """Width of a hand-over, as a share of the smaller region beside it [1].

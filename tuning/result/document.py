@@ -12,20 +12,15 @@ import pydantic
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.numerics.files import write_whole
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, QUANTITIES, exact, quantity, replace
+from scdpr_jax.numerics.json_file import read_json
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, QUANTITIES, quantity, replace
 from tuning.loop.margins import Margins
 from tuning.loop.worst_margins import WorstMargin
-from tuning.result.json_file import read_json
-from tuning.result.types import (
-    FittedSetting,
-    Metrics,
-    Prediction,
-    Region,
-    RegionalShaper,
-    ResidualVibration,
-    Tuning,
-)
+from tuning.result.prediction import Metrics, Prediction
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 
 _Span = tuple[pydantic.FiniteFloat, pydantic.FiniteFloat]
 

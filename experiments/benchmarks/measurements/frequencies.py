@@ -11,8 +11,8 @@ from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.measurements.timing import interleaved
 from scdpr_jax.linear.modes import LOWER_HELD, natural_frequencies
 from scdpr_jax.numerics.batches import chunks
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 POINTS = 1_000_000
 """Points, of three frequencies each."""

@@ -21,7 +21,7 @@ from experiments.benchmarks.problem import (
     robot_of,
     start_of,
 )
-from scdpr_jax.engines.adaptive import simulate_smooth
+from scdpr_jax.engines.adaptive import Adaptive, simulate_smooth
 from scdpr_jax.engines.stepping import friction_coefficients
 from scdpr_jax.linear.model import linearise
 from scdpr_jax.robot.dynamics import masses
@@ -39,7 +39,9 @@ class Smoothed(Contender):
     """The method."""
     rtol: float = eqx.field(static=True)
     """Relative tolerance; the absolute one is a hundredth."""
-    adjoint: diffrax.AbstractAdjoint | None = eqx.field(static=True, default=None)
+    adjoint: diffrax.AbstractAdjoint = eqx.field(
+        static=True, default=diffrax.RecursiveCheckpointAdjoint()
+    )
     """How it is differentiated."""
 
     def __call__(self, values: Float[Array, "4"]) -> Float[Array, "rows 5"]:
@@ -50,11 +52,13 @@ class Smoothed(Contender):
             voltage=jnp.asarray(TORQUE_STEP[:: ROWS // 2]),
             times=jnp.array([0.0, _SWITCH, DURATION]),
             save_at=LOG * jnp.arange(ROWS + 1),
-            solver=self.solver,
-            rtol=self.rtol,
-            atol=self.rtol / 100,
-            max_steps=1_000_000,
-            adjoint=self.adjoint,
+            method=Adaptive(
+                self.solver,
+                self.rtol,
+                self.rtol / 100,
+                max_steps=1_000_000,
+                adjoint=self.adjoint,
+            ),
         )
         return found.position
 

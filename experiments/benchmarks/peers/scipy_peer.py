@@ -12,8 +12,9 @@ from jaxtyping import Array, Float
 from experiments.benchmarks.peers.diffrax_peers import WIDTH
 from experiments.benchmarks.problem import DURATION, LOG, ROWS, TORQUE_STEP, robot_of, start_of
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, accelerations
+from scdpr_jax.robot.dynamics import accelerations
 from scdpr_jax.robot.parameters import smoothed
+from scdpr_jax.robot.state import State
 
 RTOL = 1e-6
 NAME = f"scipy LSODA {RTOL:g}, with Jacobian"

@@ -1,12 +1,8 @@
 """Natural frequencies where the robot was knocked, measured and by the model."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -24,44 +20,8 @@ from experiments.page.style import (
     new_figure,
     styled,
 )
+from experiments.studies.findings.knocks import ModelCurve
 from identification.knocks.frequency_map import FrequencyMap
-from scdpr_jax.linear.modes import BOTH_HELD, natural_frequencies
-from scdpr_jax.robot.parameters import Robot
-
-_HEIGHTS = 60  # points of a model's curve
-_CLEAR = 0.05  # m between end-effector and frame: nearer the frequency rises without limit
-
-
-class ModelCurve(NamedTuple):
-    """Natural frequencies of a model over the height of the end-effector."""
-
-    height: Float[np.ndarray, " heights"]
-    """Height of the end-effector [m]."""
-    frequency: Float[np.ndarray, "heights 2"]
-    """Natural frequencies with both carriages held [Hz], ascending."""
-
-
-def model_curve(robot: Robot) -> ModelCurve:
-    """Natural frequencies with both carriages held by friction, over the height.
-
-    Args:
-        robot: The robot at the pretension in question.
-
-    Returns:
-        The curve over the heights that the end-effector can reach.
-    """
-    body, frame = robot.end_effector, robot.frame
-    height = jnp.linspace(
-        float(body.lower_offset) + _CLEAR,
-        float(frame.height - body.upper_offset) - _CLEAR,
-        _HEIGHTS,
-    )
-    return ModelCurve(np.asarray(height), np.asarray(_over_height(robot, height)))
-
-
-@jax.jit
-def _over_height(robot: Robot, height: Float[Array, " heights"]) -> Float[Array, "heights 2"]:
-    return jax.vmap(lambda y: natural_frequencies(robot, y, BOTH_HELD))(height)
 
 
 @styled

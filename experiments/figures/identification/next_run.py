@@ -22,7 +22,7 @@ from experiments.studies.next_run import Aim
 from identification.next_run.excitation import STEP
 from identification.next_run.expected_information import MARGIN, Rig, motion
 from identification.next_run.next_experiment import Candidate, stacked
-from scdpr_jax.robot.parameters import value
+from scdpr_jax.robot.quantities import value
 
 
 @styled

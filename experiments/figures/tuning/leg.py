@@ -16,7 +16,9 @@ from experiments.page.style import (
     styled,
     thinned,
 )
-from experiments.studies.planned_leg import SETTLED, SIDES, Compared, LegRun
+from experiments.studies.planned_leg import SIDES, Compared
+from scdpr_jax.legs.leg import Leg
+from scdpr_jax.legs.measures import SETTLED
 
 _BEFORE = 0.4
 """Time before the leg's end that its arrival is shown from [s]."""
@@ -51,14 +53,14 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     )
     sides = zip(SIDES, (compared.plain, compared.planned), _STYLES, strict=True)
     for name, runs, (color, width) in sides:
-        first: LegRun = runs[0]
+        first: Leg = runs[0]
         done, _ = _along(first)
         way.plot(*thinned(first.time, 1e3 * done), color=color, lw=width, label=name)
         late = first.time >= leg_time - _BEFORE
-        away = 1e3 * (first.position[late, 0] - first.reference[-1, 0])
+        away = 1e3 * (first.pose[late, 0] - first.reference[-1, 0])
         arrival.plot(*thinned(first.time[late], away), color=color, lw=width)
         draw_commands(command, first.time, first.voltage, color=color)
-        left = [max(1e3 * run.figures.vibration, _LEAST) for run in runs]
+        left = [max(1e3 * run.measures.residual_vibration, _LEAST) for run in runs]
         others.plot(left, range(len(runs)), "o", color=color)
     _bounds(arrival, leg_time, compared)
     name_commands(command, voltage_limit=voltage_limit)
@@ -78,11 +80,11 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     return figure
 
 
-def _along(run: LegRun) -> tuple[np.ndarray, np.ndarray]:
+def _along(run: Leg) -> tuple[np.ndarray, np.ndarray]:
     """Ways of the end-effector and of its reference along the leg [m]."""
     start, end = run.reference[0], run.reference[-1]
     direction = (end - start) / np.hypot(*(end - start))
-    return (run.position - start) @ direction, (run.reference - start) @ direction
+    return (run.pose - start) @ direction, (run.reference - start) @ direction
 
 
 def _bounds(arrival: Axes, leg_time: float, compared: Compared) -> None:
@@ -93,7 +95,7 @@ def _bounds(arrival: Axes, leg_time: float, compared: Compared) -> None:
     # On its way the end-effector is far off: what is of interest happens at the end.
     runs = (compared.plain[0], compared.planned[0])
     after = [
-        1e3 * np.abs(run.position[run.time >= leg_time, 0] - run.reference[-1, 0]).max()
+        1e3 * np.abs(run.pose[run.time >= leg_time, 0] - run.reference[-1, 0]).max()
         for run in runs
     ]
     reach = 1.2 * max(band, *after)

@@ -57,7 +57,7 @@ def pareto(
         label="recommended",
     )
     for name, one in spreads.items():
-        value = np.sort(1e3 * np.asarray(one.found.vibration))
+        value = np.sort(1e3 * np.asarray(one.measures.residual_vibration))
         share = 100 * np.arange(1, value.size + 1) / value.size
         right.step(value, share, where="post", color=style[name][0])
     for axes in (left, right):
@@ -82,6 +82,6 @@ def _front(
 ) -> None:
     time = [one.move_time for one in designs]
     tail = [1e3 * one.vibration for one in designs]
-    worst = [1e3 * float(np.max(one.found.vibration)) for one in designs]
+    worst = [1e3 * float(np.max(one.measures.residual_vibration)) for one in designs]
     axes.plot(time, tail, color=colour, marker=marker, label=name)
     axes.plot(time, worst, color=colour, lw=0.8, ls=(0, (4, 3)))

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from experiments.page.number_text import percent
 from experiments.page.style import BLACK, VERMILION, label, new_figure, styled
 from tuning.regions.residual_map import ResidualMap
-from tuning.result.types import Region
+from tuning.result.regional_shaper import Region
 
 _LEAST_SCALE = 0.05
 """Least end of the colours' scale [1]: what is left below a twentieth is all good."""

@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -22,6 +21,7 @@ from experiments.page.style import (
     new_figure,
     styled,
 )
+from experiments.studies.findings.tuning import NamedShaper
 from scdpr_jax.command.shaper import Shaper, residual_vibration
 
 _POINTS = 500
@@ -33,19 +33,6 @@ _STYLES = (
     (ORANGE, "-"),
     (SKY, "--"),
 )
-
-
-class NamedShaper(NamedTuple):
-    """A shaper of a figure."""
-
-    name: str
-    """What it is called."""
-    shaper: Shaper
-    """Its impulses."""
-    damping_ratio: float
-    """Damping ratio that it meets [1]."""
-    band: tuple[float, float]
-    """Frequencies that it may meet [Hz]."""
 
 
 def residual_curve(

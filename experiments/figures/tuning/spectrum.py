@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
 
-from experiments.figures.tuning.shaper_response import NamedShaper, residual_curve
+from experiments.figures.tuning.shaper_response import residual_curve
 from experiments.page.style import (
     BLUE,
     GREEN,
@@ -21,6 +21,7 @@ from experiments.page.style import (
     new_figure,
     styled,
 )
+from experiments.studies.findings.tuning import NamedShaper
 from tuning.shapers.spectrum import THRESHOLD, Spectrum
 from tuning.shapers.spectrum_design import SpectrumDesign
 

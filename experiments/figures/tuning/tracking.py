@@ -18,7 +18,7 @@ from experiments.page.style import (
     styled,
     thinned,
 )
-from tuning.result.types import TrackingRun
+from scdpr_jax.legs.leg import Leg
 
 _SIDES = (("before", VERMILION, 1.3), ("after", BLUE, 1.7))
 
@@ -34,7 +34,7 @@ class TrackingNumbers(NamedTuple):
     """What $x_e$ does after the arrival, about its mean [m]."""
 
 
-def tracking_numbers(run: TrackingRun) -> TrackingNumbers:
+def tracking_numbers(run: Leg) -> TrackingNumbers:
     r"""Errors of a run, $\varepsilon_e = |Q_e^* - Q_e|$, Eq. (26), and its rest.
 
     Args:
@@ -43,15 +43,15 @@ def tracking_numbers(run: TrackingRun) -> TrackingNumbers:
     Returns:
         Its numbers.
     """
-    error = np.linalg.norm(run.reference - run.position, axis=1)
+    error = np.linalg.norm(run.reference - run.pose, axis=1)
     moving = np.flatnonzero(np.any(np.diff(run.commanded, axis=0) != 0, axis=1))
     arrived = int(moving[-1]) + 1 if moving.size else 0
-    rest = run.position[arrived:, 0]
+    rest = run.pose[arrived:, 0]
     return TrackingNumbers(error, float(run.time[arrived]), rest - rest.mean())
 
 
 @styled
-def tracking(before: TrackingRun, after: TrackingRun, *, voltage_limit: float) -> Figure:
+def tracking(before: Leg, after: Leg, *, voltage_limit: float) -> Figure:
     """Position, error, rest after the arrival, and commands, before and after.
 
     Args:
@@ -76,7 +76,7 @@ def tracking(before: TrackingRun, after: TrackingRun, *, voltage_limit: float) -
     for run, (name, color, width) in zip((before, after), _SIDES, strict=True):
         numbers = tracking_numbers(run)
         position.plot(
-            *thinned(run.time, 1e3 * run.position[:, axis]), color=color, lw=width, label=name
+            *thinned(run.time, 1e3 * run.pose[:, axis]), color=color, lw=width, label=name
         )
         error.plot(*thinned(run.time, 1e3 * numbers.error), color=color, lw=width)
         since = run.time[-numbers.rest.size :] - numbers.arrival

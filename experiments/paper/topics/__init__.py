@@ -1,1 +1,1 @@
-"""The paper's topics, each with its numbers, figure, section and claims."""
+"""What the paper is about, a folder each: numbers, figure, section of the report, claims."""

@@ -42,15 +42,15 @@ def design(
     import jax
 
     from experiments.figures.identification.next_run import next_run_figure
-    from experiments.files.parameters_file import read_parameters
-    from experiments.page.console_text import print_lines, rich_table
+    from experiments.page.console_text import print_lines, print_table
     from experiments.studies import next_run
     from experiments.studies.known_rig import caution, known_rig, poses
     from identification.campaign.quantities import parse_quantity
     from identification.next_run.excitation import catalogue
     from identification.next_run.next_experiment import propose
+    from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import whole_file, write_whole
-    from scdpr_jax.robot.parameters import value
+    from scdpr_jax.robot.quantities import value
 
     found = read_parameters(parameters)
     rig = known_rig(
@@ -70,7 +70,7 @@ def design(
             rig, excitations, aim.criterion, key=jax.random.key(seed), progress=progress
         )
     best = candidates[0]
-    OUT.print(rich_table(next_run.candidate_table(rig, aim, candidates)))
+    print_table(OUT, next_run.candidate_table(rig, aim, candidates))
     print_lines(
         OUT,
         (

@@ -45,37 +45,39 @@ def identify(
             at the fit. Takes minutes; needs the extra `bayes`.
     """
     set_up()
-    from experiments.files.parameters_file import write_parameters
     from experiments.reports import summary
+    from experiments.studies.findings import findings
     from identification.campaign import read_campaign
     from identification.checks.leave_out import without_each_run
     from identification.checks.posterior import posterior as sampled
     from identification.checks.posterior import require_numpyro
-    from identification.checks.profile import profiles
+    from identification.checks.profile import profile as traced_profiles
     from identification.checks.selection import select
     from identification.fit.unknowns.measured_text import parse_measured
-    from identification.result.estimate import estimate
+    from identification.fit.unknowns.options import DEFAULT_FREE, FitOptions
+    from identification.result.estimation import estimate
+    from identification.result.parameters_file import write_parameters
 
     require_outside(out, campaign)
     if posterior:
         require_numpyro()
-    otherwise = tuple(map(parse_measured, measured))
+    options = FitOptions(
+        free=free or DEFAULT_FREE,
+        hold_out=hold_out,
+        measured=map(parse_measured, measured),
+        clock_drifts=camera_drifts,
+    )
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
-        known = {
-            "hold_out": hold_out,
-            "measured": otherwise,
-            "clock_drifts": camera_drifts,
-            "progress": progress,
-        }
-        found = estimate(read, free=free, **known) if free else select(read, **known)
-        traced = profiles(read, found) if profile else ()
+        found = (estimate if free else select)(read, options, progress=progress)
+        traced = traced_profiles(read, found) if profile else ()
         if leave_out:
             found = without_each_run(read, found, progress=progress)
         drawn = sampled(read, found, progress=progress) if posterior else None
     write_parameters(out / "parameters.json", found, traced, drawn)
-    summary.show(OUT, found, campaign=read, profiles=traced, posterior=drawn)
-    summary.show_influence(OUT, found)
+    told = findings(found, campaign=read)
+    summary.show(OUT, told, profiles=traced, posterior=drawn)
+    summary.show_influence(OUT, told)
     wrote(out / "parameters.json")
     suggest(f"scdpr frequencies {campaign} --out {out}")
     return DONE

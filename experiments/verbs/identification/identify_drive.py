@@ -17,12 +17,12 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
         delay_samples: Samples by which the logged voltage acts late.
     """
     set_up()
-    from experiments.files.parameters_file import write_axis_parameters
     from experiments.reports import report, summary
     from identification.axis.drive_axis import estimate_drive_axis
     from identification.axis.law import compare_axis_laws
     from identification.axis.log import read_axis_log
     from identification.campaign.quantities import parse_quantity
+    from identification.result.axis_file import write_axis_parameters
 
     force = parse_quantity(gain, unit="N/V", name="--gain")
     read = read_axis_log(log)

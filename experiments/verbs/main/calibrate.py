@@ -36,6 +36,7 @@ def calibrate(
     """
     set_up()
     from experiments.reports import summary
+    from experiments.reports.written_files import write_calibration
     from experiments.studies import pipeline
     from identification.campaign import read_campaign
     from identification.fit.unknowns.measured_text import parse_measured
@@ -44,7 +45,7 @@ def calibrate(
     otherwise = tuple(map(parse_measured, measured))
     read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
     with shown_progress(ERRORS) as progress:
-        calibration = pipeline.calibrate(
+        findings = pipeline.calibrate(
             read,
             free=free or None,
             hold_out=hold_out,
@@ -53,20 +54,14 @@ def calibrate(
             progress=stage(progress, 0.0, 0.93),
         )
         progress("report", 0.93)
-        written = pipeline.write_calibration(calibration, out)
-    summary.show(
-        OUT,
-        calibration.estimate,
-        campaign=calibration.campaign,
-        frequencies=calibration.frequencies,
-        tuning=calibration.tuning,
-    )
-    for note in calibration.notes:
+        written = write_calibration(findings, out)
+    summary.show(OUT, findings)
+    for note in findings.notes:
         OUT.print(f"note: {note}")
-    wrote(*written)
+    wrote(*written.paths)
     suggest(
-        f"open {written[0]}",
-        f"scdpr simulate --parameters {written[1]} --out DIR",
-        plan_call(written[3]),
+        f"open {written.report}",
+        f"scdpr simulate --parameters {written.parameters} --out DIR",
+        plan_call(written.tuning.tuning),
     )
     return DONE

@@ -10,22 +10,23 @@ def check(campaign: Folder, /) -> int:
     Args:
         campaign: Folder of the campaign, format 1.
     """
-    from rich.table import Table
-
+    from experiments.page.console_text import print_table
+    from experiments.page.table import Table
     from identification.campaign import CampaignError, check_campaign
 
-    found = check_campaign(campaign)
-    table = Table("run", "kind", "pretension", "duration", "rows", "frames", box=None)
-    for run in found.runs:
+    check_result = check_campaign(campaign)
+    rows = []
+    for run in check_result.runs:
         numbers = (run.pretension, run.duration, run.rows, run.camera_rows)
-        force, duration, rows, frames = ("–" if n is None else f"{n:g}" for n in numbers)
-        table.add_row(run.name, run.kind or "–", f"{force} N", f"{duration} s", rows, frames)
-    OUT.print(table)
-    for note in found.notes:
+        force, duration, samples, frames = ("–" if n is None else f"{n:g}" for n in numbers)
+        rows.append((run.name, run.kind or "–", f"{force} N", f"{duration} s", samples, frames))
+    header = ("run", "kind", "pretension", "duration", "rows", "frames")
+    print_table(OUT, Table("", header, tuple(rows), words=(0, 1)))
+    for note in check_result.notes:
         OUT.print(f"note: {note}", markup=False)
-    if found.faults:
-        print(f"scdpr check: {CampaignError(campaign, found.faults)}", file=ERRORS.file)
+    if check_result.faults:
+        print(f"scdpr check: {CampaignError(campaign, check_result.faults)}", file=ERRORS.file)
         return BAD_INPUT
-    OUT.print(f"{len(found.runs)} runs, no fault.")
+    OUT.print(f"{len(check_result.runs)} runs, no fault.")
     suggest(f"scdpr calibrate {campaign} --out DIR")
     return DONE

@@ -16,7 +16,9 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
     """
     set_up()
     from experiments.reports import summary
-    from experiments.studies.pipeline import calibrate, write_calibration
+    from experiments.reports.written_files import write_calibration
+    from experiments.studies.findings.parameters import covers
+    from experiments.studies.pipeline import calibrate
     from experiments.virtual_rig import rig
     from identification.campaign import read_campaign, write_campaign
     from tuning.gains.optimise import LEG_TIMES, Effort
@@ -33,24 +35,19 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         out.mkdir(parents=True, exist_ok=True)
         write_campaign(made.with_runs(rig.DEMONSTRATED), logs)
         # One leg time and no descent: a demonstration has to be quick.
-        calibration = calibrate(
+        findings = calibrate(
             read_campaign(logs),
             leg_times=LEG_TIMES[:1],
             effort=Effort(descents=0),
             progress=stage(progress, 0.2, 0.95),
         )
         progress("report", 0.95)
-        written = write_calibration(calibration, out, truth=truth.values)
-    summary.show(
-        OUT,
-        calibration.estimate,
-        campaign=calibration.campaign,
-        frequencies=calibration.frequencies,
-        truth=truth.values,
-        tuning=calibration.tuning,
-    )
-    wrote(logs, *written)
+        written = write_calibration(findings, out, truth=truth.values)
+    summary.show(OUT, findings, truth=truth.values)
+    wrote(logs, *written.paths)
     suggest(
-        f"open {written[0]}", f"scdpr check {logs}", "scdpr calibrate YOUR-CAMPAIGN --out DIR"
+        f"open {written.report}",
+        f"scdpr check {logs}",
+        "scdpr calibrate YOUR-CAMPAIGN --out DIR",
     )
-    return DONE if summary.covers(calibration.estimate, truth.values) else FELL_SHORT
+    return DONE if covers(findings.estimate, truth.values) else FELL_SHORT

@@ -42,11 +42,12 @@ def benchmark(
         )
     set_up()
     import jax
-    from rich.table import Table
 
     from experiments.benchmarks import report
     from experiments.benchmarks.line import Settings
     from experiments.benchmarks.rows import ROWS
+    from experiments.page.console_text import print_table
+    from experiments.page.table import Table
 
     settings = Settings(repeats, largest_batch)
     chosen = [(name, measure) for name, measure in ROWS if not only or name in only]
@@ -62,9 +63,7 @@ def benchmark(
             written = report.write(out, lines, on, settings)
             # Every program keeps some hundred maps of memory, and a process has 65,530.
             jax.clear_caches()
-    table = Table(*report.HEADER, box=None)
-    for line in lines:
-        table.add_row(*report.cells(line))
-    OUT.print(table)
+    rows = tuple(report.cells(line) for line in lines)
+    print_table(OUT, Table("", report.HEADER, rows, words=(0, 1, 8)))
     wrote(*written)
     return DONE

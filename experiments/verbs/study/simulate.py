@@ -26,11 +26,9 @@ def simulate(
         tuning: tuning.json for its gains and shaper; default: the PD of Eq. (25) alone.
     """
     set_up()
-    import numpy as np
-
-    from experiments.files.parameters_file import read_parameters
     from experiments.studies import simulated_run
     from identification.campaign.quantities import parse_quantity
+    from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import write_whole
     from tuning.result.document import read_tuning
 
@@ -41,18 +39,13 @@ def simulate(
     reference = simulated_run.manoeuvre(manoeuvre, leg)
     tuned = None if tuning is None else read_tuning(tuning)
     with ERRORS.status("simulating"):
-        run, commanded = simulated_run.simulate(
-            fitted.of_setting(label), reference, tuned, pretension
-        )
-    write_whole(out / "simulation.csv", simulated_run.table(run, commanded))
-    x = np.asarray(run.states.position)[:, 0]
-    rested = np.asarray(run.time) >= float(run.time[-1]) - simulated_run.HOLD
-    pose = np.asarray(run.states.position)[:, [0, 4]]
-    error = np.hypot(*(commanded - pose).T)
+        run = simulated_run.simulate(fitted.of_setting(label), reference, tuned, pretension)
+    write_whole(out / "simulation.csv", simulated_run.table(run))
+    error, swing = run.measures.largest_error, run.measures.residual_vibration
     OUT.print(
-        f"Largest error, Eq. (26): {1e3 * error.max():.1f} mm. Vibration after the arrival: "
-        f"{1e3 * np.ptp(x[rested]):.2f} mm peak to peak. Largest command: "
-        f"{np.abs(np.asarray(run.voltage)).max():.2f} V."
+        f"Largest error, Eq. (26): {1e3 * error:.1f} mm. Vibration after the arrival: "
+        f"{1e3 * swing:.2f} mm peak to peak. Largest command: "
+        f"{run.measures.largest_voltage:.2f} V."
     )
     wrote(out / "simulation.csv")
     return DONE

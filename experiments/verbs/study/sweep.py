@@ -61,7 +61,7 @@ def sweep(
 
 
 def _robot(parameters: pathlib.Path | None, setting: str | None) -> "Robot":
-    from experiments.files.parameters_file import read_parameters
+    from identification.result.parameters_file import read_parameters
     from scdpr_jax.robot.prototype import consistent
 
     if parameters is not None:

@@ -36,17 +36,17 @@ def codesign(
         seed: Of the samples.
     """
     set_up()
-    from experiments.files.codesign_file import codesign_document
-    from experiments.files.parameters_file import read_parameters
     from experiments.reports import codesign_report
-    from experiments.studies.codesign_run import Asked, design, parse_grid
+    from experiments.studies.codesign_run import design, parse_grid
     from experiments.studies.posterior import nominal_settings
     from identification.campaign.quantities import parse_quantity
+    from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import write_whole
+    from tuning.codesign import Scope, write_codesign
 
     fitted = read_parameters(parameters)
     nominal = tuple(parse_quantity(text, unit="N", name="--settings") for text in settings)
-    asked = Asked(
+    scope = Scope(
         grid=parse_grid(grid),
         samples=samples,
         settings=tuple(sorted(nominal)) or nominal_settings(fitted),
@@ -56,9 +56,9 @@ def codesign(
         seed=seed,
     )
     with shown_progress(ERRORS) as progress:
-        found = design(fitted, asked, progress=progress)
+        found = design(fitted, scope, progress=progress)
     result, report = out / "codesign.json", out / "codesign.html"
-    write_whole(result, codesign_document(found))
+    write_codesign(result, found)
     write_whole(report, codesign_report.codesign_page(found, name=str(parameters)))
     codesign_report.show(OUT, found)
     wrote(result, report)

@@ -41,11 +41,12 @@ def plan(
         )
     set_up()
     from experiments.reports import plan_report
-    from experiments.studies import planned_leg
+    from experiments.studies.planned_leg import compare
     from experiments.verbs.places import parse_position
     from identification.campaign.quantities import parse_quantity
     from scdpr_jax.numerics.files import write_whole
     from tuning.plan.plan_file import write_plan
+    from tuning.plan.planning import plan_leg
     from tuning.result.document import read_tuning
 
     tuned = read_tuning(tuning)
@@ -64,7 +65,7 @@ def plan(
             "leg to plan."
         )
     with shown_progress(ERRORS) as progress:
-        planned = planned_leg.make(
+        planned = plan_leg(
             robot,
             tuned.controller,
             start,
@@ -73,7 +74,7 @@ def plan(
             progress=stage(progress, 0.0, 0.9),
         )
         progress("the leg beside the PD of Eq. (25) alone", 0.9)
-        compared = planned_leg.compare(robot, tuned.controller, planned)
+        compared = compare(robot, tuned.controller, planned)
     limit = float(robot.drive.voltage_limit)
     write_plan(out, planned)
     write_whole(

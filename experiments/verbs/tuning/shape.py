@@ -33,12 +33,12 @@ def shape(
         lowest: Frequencies below this are left out.
     """
     set_up()
-    from experiments.files.shaper_file import shaper_document
-    from experiments.files.spectrum_file import read_spectrum
     from experiments.reports import shaper_report
     from identification.campaign.quantities import parse_quantity
     from scdpr_jax.numerics.files import write_whole
+    from tuning.shapers.shaper_file import shaper_document
     from tuning.shapers.spectrum_design import design_for_spectrum
+    from tuning.shapers.spectrum_file import read_spectrum
 
     longest = _positive(max_duration, unit="s", name="--max-duration")
     most = _positive(max_vibration, unit="1", name="--max-vibration")

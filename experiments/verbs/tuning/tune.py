@@ -17,10 +17,10 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
             and for MATLAB.
     """
     set_up()
-    from experiments.files.parameters_file import read_parameters
     from experiments.reports import summary
-    from experiments.studies.pipeline import write_tuned
+    from experiments.reports.written_files import write_tuned
     from identification.knocks.frequency_map import read_frequencies
+    from identification.result.parameters_file import read_parameters
     from tuning.gains.tune import tune as design
 
     fitted = read_parameters(parameters)
@@ -29,9 +29,9 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
         tuned = design(fitted, measured, progress=progress)
     written = write_tuned(out, tuned)
     summary.show_tuning(OUT, tuned)
-    wrote(*written)
+    wrote(*written.paths)
     suggest(
-        f"scdpr simulate --parameters {parameters} --tuning {written[0]} --out DIR",
-        plan_call(written[0]),
+        f"scdpr simulate --parameters {parameters} --tuning {written.tuning} --out DIR",
+        plan_call(written.tuning),
     )
     return DONE

@@ -49,7 +49,7 @@ def known(name: str, campaign: Campaign) -> float:
     """A quantity of the robot: the campaign's, or else that of the paper's rig.
 
     Args:
-        name: A name of `scdpr_jax.robot.parameters.QUANTITIES`.
+        name: A name of `scdpr_jax.robot.quantities.QUANTITIES`.
         campaign: The campaign.
 
     Returns:

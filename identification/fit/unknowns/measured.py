@@ -7,6 +7,7 @@ other one. A number that the campaign's own runs gave must not count a second ti
 """
 
 import abc
+import dataclasses
 from collections.abc import Sequence
 
 import equinox as eqx
@@ -18,7 +19,11 @@ from jaxtyping import Array, Float
 from identification.fit.unknowns.unknowns import PER_SETTING, apply
 from scdpr_jax.linear.modes import BOTH_HELD, Condition, natural_frequencies
 from scdpr_jax.robot.fields import real
-from scdpr_jax.robot.parameters import Robot, quantity, value
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity, value
+
+APART = 3.0
+"""Standard errors from which the logs contradict what was measured otherwise [1]."""
 
 
 class Measured(eqx.Module):
@@ -62,7 +67,7 @@ class MeasuredQuantity(Measured):
     """One of the robot's named quantities."""
 
     quantity: str = eqx.field(static=True)
-    """Its name, see `scdpr_jax.robot.parameters.QUANTITIES`."""
+    """Its name, see `scdpr_jax.robot.quantities.QUANTITIES`."""
     value: Float[Array, ""] = eqx.field(converter=real)
     sigma: Float[Array, ""] = eqx.field(converter=real)
     setting: str | None = eqx.field(static=True, default=None)
@@ -155,34 +160,21 @@ class MeasuredBreakaway(Measured):
         return torque / (2 * drive.torque_per_volt)
 
 
-def with_measured(free: Sequence[str], measured: Sequence[Measured]) -> tuple[str, ...]:
-    """The quantities that a fit frees, with those that were measured otherwise.
-
-    Args:
-        free: Names of the quantities that the logs are to tell.
-        measured: What was measured otherwise.
-
-    Returns:
-        All names, each once.
-    """
-    return tuple(dict.fromkeys((*free, *(name for one in measured for name in one.frees))))
-
-
-def require_settings(measured: Sequence[Measured], known: Sequence[str]) -> None:
+def require_settings(measured: Sequence[Measured], settings: Sequence[str]) -> None:
     """Refuse a number at a nominal pretension that no run has.
 
     Args:
         measured: What was measured otherwise.
-        known: The settings of the runs.
+        settings: The settings of the runs.
 
     Raises:
         ValueError: If there is one.
     """
-    for one in measured:
-        if one.setting is not None and one.setting not in known:
+    for number in measured:
+        if number.setting is not None and number.setting not in settings:
             raise ValueError(
-                f"the {one.name} was measured at {one.setting!r}, got runs at "
-                f"{', '.join(sorted(known)) or 'no setting'} only [N]. Log runs at that "
+                f"the {number.name} was measured at {number.setting!r}, got runs at "
+                f"{', '.join(sorted(settings)) or 'no setting'} only [N]. Log runs at that "
                 "setting, or leave the number out."
             )
 
@@ -206,36 +198,55 @@ def pulls(
         Residuals, and their derivatives by these quantities [1].
     """
 
-    def pull(x: Float[Array, " n"], one: Measured) -> tuple[Array, Array]:
-        found = (one.of(apply(robot, free, x)) - one.value) / one.sigma
-        return found, found
+    def pull(x: Float[Array, " n"], number: Measured) -> tuple[Array, Array]:
+        residual = (number.of(apply(robot, free, x)) - number.value) / number.sigma
+        return residual, residual
 
     both = [
-        jax.jacfwd(pull, has_aux=True)(own, one)
-        for own, one in zip(unknowns, measured, strict=True)
+        jax.jacfwd(pull, has_aux=True)(encoded, number)
+        for encoded, number in zip(unknowns, measured, strict=True)
     ]
-    slopes, found = zip(*both, strict=True)
-    return jnp.stack(found), jnp.stack(slopes)
+    slopes, residuals = zip(*both, strict=True)
+    return jnp.stack(residuals), jnp.stack(slopes)
 
 
-def deviation(one: Measured, robot: Robot) -> float:
-    """How far a robot is from what was measured otherwise.
+@dataclasses.dataclass(frozen=True)
+class MeasuredFit:
+    """A number that was measured otherwise, beside a robot's own."""
 
-    Args:
-        one: What was measured.
-        robot: The robot at its setting.
+    measured: Measured
+    """What was measured."""
+    value: float
+    """The robot's own value [SI]."""
+    deviation: float
+    """Own minus measured value, in the measurement's standard errors [1]."""
 
-    Returns:
-        The robot's own value minus the measured one, in standard errors [1].
-    """
-    return float((np.asarray(one.of(robot)) - one.value) / one.sigma)
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether the logs contradict it."""
+        return abs(self.deviation) >= APART
+
+    @classmethod
+    def of(cls, measured: Measured, robot: Robot) -> "MeasuredFit":
+        """What was measured beside what a robot has.
+
+        Args:
+            measured: What was measured.
+            robot: The robot at its setting.
+
+        Returns:
+            Both.
+        """
+        value = float(measured.of(robot))
+        deviation = (value - float(measured.value)) / float(measured.sigma)
+        return cls(measured, value, deviation)
 
 
-def _require_error(one: Measured) -> None:
-    number, sigma = float(one.value), float(one.sigma)
-    if not (np.isfinite(number) and np.isfinite(sigma) and sigma > 0):
+def _require_error(number: Measured) -> None:
+    value, sigma = float(number.value), float(number.sigma)
+    if not (np.isfinite(value) and np.isfinite(sigma) and sigma > 0):
         raise ValueError(
-            f"the {one.name} must be a finite number with a standard error above zero "
-            f"[{one.unit}], got {number:g} +- {sigma:g}. What is known exactly is given with "
-            "the robot."
+            f"the {number.name} must be a finite number with a standard error above zero "
+            f"[{number.unit}], got {value:g} +- {sigma:g}. What is known exactly is given "
+            "with the robot."
         )

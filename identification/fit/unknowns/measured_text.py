@@ -11,7 +11,7 @@ from identification.fit.unknowns.measured import (
     MeasuredQuantity,
 )
 from identification.fit.unknowns.unknowns import PER_SETTING
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, quantity
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, quantity
 
 FREQUENCY, BREAKAWAY = "natural_frequency", "breakaway_voltage"
 """Names of what isn't a quantity of the robot itself."""

@@ -13,7 +13,9 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from identification.campaign.types import Run
-from scdpr_jax.robot.parameters import Robot, quantity, replace, value
+from identification.data.circumstances import NAMES, Circumstances, open_circumstances
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import quantity, replace, value
 
 PER_SETTING = "effective_pretension"
 """The quantity that every nominal pretension has its own value of."""
@@ -30,20 +32,6 @@ where it is left out the carriages' takes it up."""
 
 FOLLOWS = {"upper_friction_coefficient": "friction_coefficient"}
 """Quantities that have the value of another one as long as they aren't free."""
-
-CIRCUMSTANCES = (
-    "lower",
-    "upper",
-    "height",
-    "knock",
-    "knock_arm",
-    "clock_offset",
-    "clock_drift",
-)
-"""What is estimated of each run, in the order of `Circumstances`."""
-
-CLOCK = 2
-"""How many of these, the last ones, are the camera's clock: they move no robot."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,7 +54,43 @@ class Unknowns:
         """Number of unknowns."""
         return len(self.shared) + self.active.size
 
-    def of_run(self, run: int) -> Int[np.ndarray, " own"]:
+    def place(self, name: str, setting: str | None = None) -> int:
+        """Where a shared quantity stands in the vector.
+
+        Args:
+            name: Its name.
+            setting: The nominal pretension that it belongs to, None for all.
+
+        Returns:
+            Its index.
+        """
+        return self.shared.index((name, setting))
+
+    def circumstances(self, run: int) -> Int[np.ndarray, " circumstances"]:
+        """Where a run's circumstances stand in the vector.
+
+        Args:
+            run: The run's number.
+
+        Returns:
+            Indices in the order of `Circumstances`.
+        """
+        count = len(NAMES)
+        return len(self.shared) + count * run + np.arange(count)
+
+    def circumstance(self, run: int, name: str) -> int:
+        """Where one of a run's circumstances stands in the vector.
+
+        Args:
+            run: The run's number.
+            name: Name of the circumstance.
+
+        Returns:
+            Its index.
+        """
+        return int(self.circumstances(run)[NAMES.index(name)])
+
+    def of_run(self, run: int) -> Int[np.ndarray, " of_run"]:
         """Where a run's quantities and circumstances stand in the vector.
 
         Args:
@@ -75,9 +99,19 @@ class Unknowns:
         Returns:
             Indices, quantities first.
         """
-        count = len(CIRCUMSTANCES)
-        first = len(self.shared) + count * run
-        return np.concatenate([self.local[run], np.arange(first, first + count)])
+        return np.concatenate([self.local[run], self.circumstances(run)])
+
+    def open_to(self, runs: Sequence[int]) -> Bool[np.ndarray, " size"]:
+        """Which unknowns a fit of some runs may change.
+
+        Args:
+            runs: Their numbers.
+
+        Returns:
+            True for the opened quantities and for the circumstances that these runs leave open.
+        """
+        fitted = np.isin(np.arange(len(self.active)), runs)
+        return np.concatenate([self.opened, (self.active & fitted[:, None]).ravel()])
 
     def lower(self) -> Float[np.ndarray, " size"]:
         """Lower bounds of the vector.
@@ -149,9 +183,9 @@ def layout(
         free=free,
         shared=tuple(shared),
         local=np.array(local, dtype=int).reshape(len(runs), len(free)),
-        active=np.array([_open(run, clock_drifts) for run in runs]).reshape(
-            len(runs), len(CIRCUMSTANCES)
-        ),
+        active=np.array(
+            [open_circumstances(run, clock_drifts=clock_drifts) for run in runs]
+        ).reshape(len(runs), len(NAMES)),
         opened=np.array([name in chosen for name, _ in shared], dtype=bool),
     )
 
@@ -169,17 +203,17 @@ def encode(name: str, number: float) -> float:
     return math.log(number) if quantity(name).positive else float(number)
 
 
-def decode(name: str, held: float) -> float:
+def decode(name: str, encoded: float) -> float:
     """A quantity's value from how a fit holds it, the inverse of `encode`.
 
     Args:
         name: Name of the quantity.
-        held: What the fit holds.
+        encoded: What the fit holds.
 
     Returns:
         Its value [SI].
     """
-    return math.exp(held) if quantity(name).positive else float(held)
+    return math.exp(encoded) if quantity(name).positive else float(encoded)
 
 
 def apply(robot: Robot, free: tuple[str, ...], encoded: Float[Array, " names"]) -> Robot:
@@ -200,6 +234,23 @@ def apply(robot: Robot, free: tuple[str, ...], encoded: Float[Array, " names"]) 
     return replace(robot, values)
 
 
+def apply_run(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " of_run"]
+) -> tuple[Robot, Circumstances]:
+    """The robot and the circumstances that a run's part of a fit's vector stands for.
+
+    Args:
+        robot: The robot to start from.
+        free: Names of the free quantities.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+
+    Returns:
+        The robot with these values, and the run's circumstances.
+    """
+    count = len(free)
+    return apply(robot, free, unknown[:count]), Circumstances.of(unknown[count:])
+
+
 def start_values(robot: Robot, unknowns: Unknowns) -> Float[np.ndarray, " shared"]:
     """The robot's own values of the shared unknowns, as a fit holds them.
 
@@ -212,12 +263,3 @@ def start_values(robot: Robot, unknowns: Unknowns) -> Float[np.ndarray, " shared
     """
     numbers = [encode(name, float(value(robot, name))) for name, _ in unknowns.shared]
     return np.array(numbers, dtype=float)
-
-
-def _open(run: Run, clock_drifts: bool) -> list[bool]:
-    if run.kind == "motor_step":
-        return [False] * len(CIRCUMSTANCES)
-    seen = run.camera is not None
-    unknown_clock = run.clock_offset is None and seen
-    knocked = run.knock is not None
-    return [True, True, True, knocked, knocked, unknown_clock, clock_drifts and seen]

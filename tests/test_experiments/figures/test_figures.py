@@ -3,16 +3,12 @@
 import dataclasses
 import math
 
-import jax.numpy as jnp
 import matplotlib
 import numpy as np
 import pytest
 from report_samples import (
     CAMERA_SIGMA,
-    DAMPING,
-    FREQUENCY,
     TRUTH,
-    campaign,
     comparison,
     estimate,
     estimated_parameters,
@@ -23,19 +19,18 @@ from report_samples import (
 
 from experiments.figures.identification.correlation import correlation
 from experiments.figures.identification.fit_overview import fit_overview, misfits
-from experiments.figures.identification.frequency_map import frequency_over_height, model_curve
+from experiments.figures.identification.frequency_map import frequency_over_height
 from experiments.figures.identification.intervals import intervals, relative_intervals
 from experiments.figures.identification.residuals import residuals_in_sigma
-from experiments.figures.identification.ring_down import decay_of, fitted_decay
 from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_view import cable_loop, shown_instants
 from experiments.figures.tuning.bode import open_loop
-from experiments.figures.tuning.shaper_response import NamedShaper, residual_curve
+from experiments.figures.tuning.shaper_response import residual_curve
 from experiments.figures.tuning.tracking import tracking_numbers
 from experiments.page.coordinates import COORDINATES
+from experiments.studies.findings.tuning import NamedShaper
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
-from scdpr_jax.linear.modes import BOTH_HELD, natural_frequencies
 from scdpr_jax.robot.prototype import consistent
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
@@ -107,35 +102,9 @@ def test_the_correlations_drawn_are_those_given():
     assert shown == ["1", "−0.97", "1"]
 
 
-def test_the_model_curve_is_that_of_both_carriages_held():
-    robot = consistent()
-    curve = model_curve(robot)
-    middle = len(curve.height) // 2
-    expected = natural_frequencies(robot, jnp.asarray(curve.height[middle]), BOTH_HELD)
-    # One batch against one at a time: an eigenvalue's few roundings.
-    assert np.allclose(curve.frequency[middle], expected, rtol=1e-12)
-    body = robot.end_effector
-    assert curve.height[0] > float(body.lower_offset)
-    assert curve.height[-1] < float(robot.frame.height - body.upper_offset)
-
-
 def test_settings_without_a_model_are_drawn_all_the_same():
     figure = frequency_over_height(frequencies(), {})
     assert "nominal pretension 350 N" in texts(figure)
-
-
-def test_the_drawn_decay_passes_through_the_samples():
-    run = campaign().runs[2]
-    decay = decay_of(run, noise_sigma=CAMERA_SIGMA)
-    assert decay.frequency == pytest.approx(FREQUENCY, abs=4 * decay.frequency_sigma)
-    x = run.camera.position[:, 0]
-    fitted = fitted_decay(run.camera.time, x, decay)
-    inside = run.camera.time >= decay.window[0]
-    at = np.interp(run.camera.time[inside], fitted.time, fitted.displacement)
-    rms = np.sqrt(np.mean((x[inside] - at) ** 2))
-    # Noise, and a tenth for the luck of some hundred draws.
-    assert rms <= 1.1 * CAMERA_SIGMA
-    assert decay.damping_ratio == pytest.approx(DAMPING, abs=4 * decay.damping_ratio_sigma)
 
 
 def test_cables_are_as_long_as_the_model_has_them():

@@ -9,10 +9,11 @@ from report_samples import tuning
 
 from experiments.figures.tuning.residual_vibration_map import residual_vibration_map
 from experiments.page.page import Pictures
-from experiments.reports.tuning_section import between_the_cells_sentence, tuning_section
+from experiments.reports.tuning_section import tuning_pictures
+from experiments.studies.findings.tuning import between_the_cells_sentence, tuning_findings
 from scdpr_jax.robot.prototype import consistent
 from tuning.regions.residual_map import ResidualMap
-from tuning.result.types import FittedSetting
+from tuning.result.tuning import FittedSetting
 
 
 def made_up(highest, *, pretension=350.0):
@@ -69,11 +70,13 @@ def test_the_colours_reach_the_worst_of_all_maps(fitted):
 
 @pytest.mark.slow  # it computes the margins over the workspace, too
 def test_a_tuning_with_fitted_robots_has_its_map(fitted):
-    section = tuning_section(fitted, robot=consistent(), picture=Pictures())
-    assert sum("the cross is the worst place" in one.caption for one in section.pictures) == 1
-    assert sum("Wherever a leg ends" in sentence for sentence in section.sentences) == 1
+    found = tuning_findings(fitted)
+    pictures = tuning_pictures(found, robot=consistent(), picture=Pictures())
+    assert sum("the cross is the worst place" in each.caption for each in pictures) == 1
+    assert sum("Wherever a leg ends" in sentence for sentence in found.between_the_cells) == 1
 
 
 def test_a_tuning_without_robots_has_none():
-    section = tuning_section(tuning(), robot=consistent(), picture=Pictures())
-    assert not any("Wherever a leg ends" in sentence for sentence in section.sentences)
+    found = tuning_findings(tuning())
+    assert found.residual_maps == ()
+    assert found.between_the_cells == ()

@@ -1,7 +1,7 @@
 import pytest
 
 from experiments.page.coordinates import plain_symbol
-from scdpr_jax.robot.parameters import QUANTITIES, REFINEMENTS
+from scdpr_jax.robot.quantities import QUANTITIES, REFINEMENTS
 
 
 @pytest.mark.parametrize("known", [*QUANTITIES, *REFINEMENTS], ids=lambda known: known.name)

@@ -10,10 +10,9 @@ import pytest
 
 from experiments.cli import main
 from experiments.paper import report
-from experiments.paper.catalogue import SECTIONS, chosen
+from experiments.paper.catalogue import CLAIMS, SECTIONS, chosen, of_section
 from experiments.paper.claim import Claim, Verdict, at_least, at_most, digits, within
 from experiments.paper.contradictions import CONTRADICTIONS
-from experiments.paper.every_claim import CLAIMS, of_section
 from experiments.paper.topics.explanation.numbers import (
     REPORTED,
     Explanation,

@@ -10,11 +10,11 @@ from experiments.verbs.tuning.plan import plan
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import closed_loop, joint_references
-from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
-from tuning.plan.plan_file import Plan
-from tuning.plan.planning import SCENARIOS
+from scdpr_jax.robot.state import pose, rest
+from tuning.plan.plan import Plan
+from tuning.plan.planning import VARIATIONS
 
 ROBOT = exact(consistent())
 LIMIT = float(ROBOT.drive.voltage_limit)
@@ -37,27 +37,27 @@ def compared(short):
 
 def test_what_is_planned_plainly_does_what_the_plain_profile_does(compared):
     for plain, planned in zip(compared.plain, compared.planned, strict=True):
-        np.testing.assert_allclose(planned.position, plain.position, atol=1e-9)
+        np.testing.assert_allclose(planned.pose, plain.pose, atol=1e-9)
 
 
 def test_the_first_robot_is_the_fitted_one(short, compared):
     held = jnp.pad(jnp.asarray(short.position), ((0, 1500), (0, 0)), mode="edge")
     start = rest(ROBOT, *jnp.asarray([1.0, 1.0, 0.5]))
     alone = closed_loop(ROBOT, start, published_pd(), reference=held).states.position
-    np.testing.assert_allclose(compared.plain[0].position, alone[:, [0, 4]], atol=1e-12)
+    np.testing.assert_allclose(compared.plain[0].pose, pose(alone), atol=1e-12)
 
 
 def test_every_robot_of_the_planner_is_named_and_differs(compared):
     assert compared.names[0] == "as fitted"
     assert "pretension −3 %" in compared.names
     assert "friction +20 %" in compared.names
-    assert len(set(compared.names)) == len(SCENARIOS)
-    ends = {float(run.position[-1, 0]) for run in compared.plain}
-    assert len(ends) == len(SCENARIOS)
+    assert len(set(compared.names)) == len(VARIATIONS)
+    ends = {float(run.pose[-1, 0]) for run in compared.plain}
+    assert len(ends) == len(VARIATIONS)
 
 
 def test_a_saturated_drive_is_told(short, compared):
-    worst = max(run.figures.largest_voltage for run in compared.planned)
+    worst = max(run.measures.largest_voltage for run in compared.planned)
     assert not any("SHORT" in line for line in sentences(short, compared, voltage_limit=LIMIT))
     assert any("SHORT" in line for line in sentences(short, compared, voltage_limit=worst))
 

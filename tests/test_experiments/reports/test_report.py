@@ -14,21 +14,17 @@ from report_samples import (
 )
 
 from experiments.reports.report import RUNS_DRAWN, method_notes, runs_to_draw, write_report
+from experiments.studies.findings import findings
 
 
-def written(folder, **changes):
+def written(folder, *, title="Calibration", truth=None, **changes):
     path = folder / "report.html"
     content = {
-        "title": "Calibration",
         "campaign": campaign(),
         # One run keeps it short.
         "estimate": dataclasses.replace(estimate(), comparisons=estimate().comparisons[:1]),
-        "frequencies": None,
-        "tuning": None,
-        "truth": None,
-        "notes": [],
     }
-    write_report(path, **(content | changes))
+    write_report(path, findings(**(content | changes)), title=title, truth=truth)
     return path.read_text(encoding="utf-8")
 
 
@@ -46,7 +42,7 @@ def full(tmp_path_factory):
         frequencies=frequencies(),
         tuning=tuning(),
         truth=TRUTH,
-        notes=["mind the <b>gap</b>"],
+        notes=("mind the <b>gap</b>",),
     )
 
 

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from experiments.reports import summary
 from experiments.reports.drive_report import write_drive_report
+from experiments.studies.findings import findings
 from identification.axis.drive_axis import EXTENDED_NAMES, DriveAxisEstimate
 from identification.axis.law import AxisLaws
 from identification.axis.log import AxisLog
@@ -55,7 +56,7 @@ def laws(found, *, ahead):
 
 
 def test_truth_stands_beside_the_estimate():
-    text = printed(summary.show, estimate(), truth=TRUTH, campaign=campaign())
+    text = printed(summary.show, findings(estimate(), campaign=campaign()), truth=TRUTH)
     line = next(line for line in text.splitlines() if "effective_pretension" in line)
     assert re.split(r"\s{2,}", line.strip()) == [
         *("effective_pretension", "350 N", "85.000", "84.900", "85.100", "N", "0.12 %"),
@@ -63,14 +64,8 @@ def test_truth_stands_beside_the_estimate():
     ]
 
 
-def test_coverage_is_judged_at_the_wider_level():
-    assert not summary.covers(estimate(), TRUTH)
-    # 2.9 standard errors: outside 95 %, inside 99.7 % (2.968 of them).
-    assert summary.covers(estimate(), {"effective_pretension": 85.0 + 2.9 * 0.05})
-
-
 def test_markup_in_a_name_is_printed_as_it_is():
-    text = printed(summary.show, estimate(), tuning=tuning())
+    text = printed(summary.show, findings(estimate(), tuning=tuning()))
     assert "A note of the <tuning>." in text
 
 

@@ -1,5 +1,6 @@
 """What `scdpr design` reads, prints and writes; the search itself is identification's."""
 
+import dataclasses
 import json
 
 import jax
@@ -7,7 +8,6 @@ import numpy as np
 import pytest
 
 from experiments import cli
-from experiments.files.parameters_file import FittedRobot, Residual, read_parameters
 from experiments.studies.known_rig import caution, errors, known_rig
 from experiments.studies.next_run import (
     aim_for,
@@ -19,6 +19,8 @@ from experiments.studies.next_run import (
 from experiments.verbs.exit_status import BAD_INPUT
 from identification.next_run.excitation import Excitation
 from identification.next_run.next_experiment import Candidate
+from identification.result.fitted_robot import Residual
+from identification.result.parameters_file import ParametersDocument, read_parameters
 
 NAMES = ["friction_coefficient", "drive_inertia", "effective_pretension 350 N"]
 CORRELATION = [[1.0, 0.1, -0.9], [0.1, 1.0, 0.2], [-0.9, 0.2, 1.0]]
@@ -51,12 +53,12 @@ def document(rows=ROWS):
         "format": 1,
         "parameters": list(rows),
         "correlation": {"names": NAMES, "matrix": CORRELATION},
-        "residuals": [one.model_dump() for one in QUIET],
+        "residuals": [dataclasses.asdict(one) for one in QUIET],
     }
 
 
 def rig(rows=ROWS, setting=None):
-    found = FittedRobot.model_validate(document(rows))
+    found = ParametersDocument.model_validate(document(rows)).fitted_robot()
     return known_rig(found, setting=setting, log_rate=1000.0, top_speed=1.5)
 
 

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from experiments.files.parameters_file import FittedRobot
 from experiments.studies.codesign_run import parse_grid
 from experiments.studies.posterior import draw, nominal_settings
+from identification.result.parameters_file import ParametersDocument
 
-FITTED = FittedRobot.model_validate(
+FITTED = ParametersDocument.model_validate(
     {
         "format": 1,
         "parameters": [
@@ -28,7 +28,7 @@ FITTED = FittedRobot.model_validate(
             "matrix": [[1.0, -0.8], [-0.8, 1.0]],
         },
     }
-)
+).fitted_robot()
 
 
 @pytest.fixture(scope="module")

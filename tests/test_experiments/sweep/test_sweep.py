@@ -24,9 +24,9 @@ from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import closed_loop
 from scdpr_jax.linear.modes import CONDITIONS, natural_frequencies
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import pose, rest
 
 
 def axes(measure, *texts):
@@ -167,7 +167,7 @@ def test_closed_loop_is_the_simulators(tmp_path):
             reference=reference,
         )
         q = np.asarray(run.states.position)
-        error = np.hypot(*(q[:, [0, 4]] - np.asarray(reference)).T)
+        error = np.hypot(*(pose(q) - np.asarray(reference)).T)
         # The batch sums in another order; friction's switching keeps that far below.
         close = {"rtol": 1e-7, "atol": 1e-10}
         np.testing.assert_allclose(here.vibration, np.ptp(q[500:1500, 0]), **close)

@@ -5,7 +5,7 @@ from experiments.virtual_rig import recovery
 from identification.checks.selection import _choice, _score, select
 from identification.fit.levenberg_marquardt import Normal
 from identification.fit.unknowns.models import Model
-from scdpr_jax.robot.parameters import replace
+from scdpr_jax.robot.quantities import replace
 
 
 def test_the_score_is_the_fall_of_the_misfit_where_the_problem_is_linear():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from identification.campaign import CameraStream, DriveStream, Initial, Knock, Run, Sensors
-from identification.data.start import clocks, rest_until, start_pose
+from identification.data.start import Clock, clocks, rest_until, start_pose
 
 RADIUS, HEIGHT = 0.073, 1.112
 SENSORS = Sensors()
@@ -53,7 +53,7 @@ def test_a_run_that_hardly_moves_learns_the_clock_from_the_others():
 
 def test_a_stated_clock_is_taken_as_it_is():
     (clock,) = clocks([moving_run(0.01, clock=0.01)], SENSORS, RADIUS)
-    assert clock == (0.01, 0.0)
+    assert clock == Clock(offset=0.01, sigma=0.0)
 
 
 def test_nobody_moving_leaves_the_clock_open():

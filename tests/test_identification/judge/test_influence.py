@@ -5,8 +5,8 @@ import pytest
 
 from experiments.virtual_rig import recovery
 from identification.checks.leave_out import without_each_run
-from identification.fit.accumulate import RunSums
 from identification.fit.levenberg_marquardt import Normal
+from identification.fit.run_sums import RunSums
 from identification.judge.influence import (
     FEWEST,
     RunNormal,
@@ -16,7 +16,7 @@ from identification.judge.influence import (
     telling_runs,
 )
 from identification.judge.uncertainty import ParameterEstimate
-from identification.result.estimate import estimate
+from identification.result.estimation import estimate
 
 NAMES = ("friction_coefficient", "drive_friction", "lower_carriage_damping")
 FREE = np.full(3, -np.inf)
@@ -31,8 +31,8 @@ def sums(jacobian, residual):
         information=(jacobian.T @ jacobian)[None],
         gradient=jacobian.T @ residual,
         scores=np.zeros((40, size)),
-        known_cost=np.zeros(()),
-        known=np.zeros((size, size)),
+        prior_cost=np.zeros(()),
+        prior_information=np.zeros((size, size)),
         residuals=np.zeros((1, 2)),
     )
 
@@ -150,7 +150,7 @@ def mean_of(readings, information, resamples=4000):
     mean = float(information @ readings / information.sum())
     normal = simple(information, information * (mean - readings))
     found = influence(
-        normal, [parameter(value=mean)], held=np.array([mean]), resamples=resamples
+        normal, [parameter(value=mean)], encoded=np.array([mean]), resamples=resamples
     )
     return mean, found
 
@@ -201,7 +201,7 @@ def test_the_bootstrap_repeats_itself_with_its_seed():
 
 def test_what_has_no_standard_error_is_not_measured_by_it():
     normal = simple(np.ones(6), np.zeros(6))
-    found = influence(normal, [parameter(sigma=np.inf)], held=np.zeros(1))
+    found = influence(normal, [parameter(sigma=np.inf)], encoded=np.zeros(1))
     assert np.all(np.isnan(found.moved))
 
 

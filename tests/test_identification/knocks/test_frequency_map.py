@@ -17,8 +17,8 @@ from identification.knocks.frequency_map import (
     write_frequencies,
 )
 from scdpr_jax.robot.cable import potential
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 CAMPAIGNS = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "campaigns"
 HEADER = (
@@ -199,3 +199,24 @@ def test_all_knocks_of_rig_b_are_resolved():
     assert np.all(found.frequency_sigma < 0.01 * found.frequency)
     # Peak picking is good to a tenth of its resolution of 0.4 to 0.6 Hz.
     assert np.all(np.abs(found.fft_frequency - found.frequency) < 0.06)
+
+
+@pytest.mark.parametrize(("count", "lines"), [(1, 2), (8, 9), (9, 10), (400, 10)])
+def test_a_map_tells_its_knocks_in_a_few_lines(count, lines):
+    row = np.full(count, 3.0)
+    shown = FrequencyMap(
+        x=row,
+        y=row,
+        pretension=350 / 3 * row,
+        frequency=row,
+        frequency_sigma=row / 300,
+        damping_ratio=row,
+        damping_ratio_sigma=row,
+        fft_frequency=row,
+        residuals_are_noise=row > 0,
+        runs=("0001-pseudo-impulse",) * count,
+    )
+    text = repr(shown).splitlines()
+    assert text[0] == f"FrequencyMap of {count} knocks: 3 to 3 Hz, 0 unresolved"
+    assert text[1] == "  3 ± 0.01 Hz at (3.00 m, 3.00 m), 350 N: 0001-pseudo-impulse"
+    assert len(text) == lines

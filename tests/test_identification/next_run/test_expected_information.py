@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from planned_logs import COUNT, PERIOD, SENSORS, campaign, drawn, logged
 
+from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import DEFAULT_FREE, apply, encode
 from identification.next_run.excitation import Excitation
 from identification.next_run.expected_information import Rig, expected, motion, rig_errors
 from identification.next_run.next_experiment import stacked
-from identification.result.estimate import estimate
-from scdpr_jax.robot.parameters import exact, value
+from identification.result.estimation import estimate
+from scdpr_jax.robot.parameters import exact
+from scdpr_jax.robot.quantities import value
 
 SPREAD = np.array([0.02, 0.01, 0.01, 5e-3, 0.02])
 """What is known before, in the order of `DEFAULT_FREE`: far less than a run tells."""
@@ -88,7 +90,9 @@ def test_expected_standard_errors_are_those_of_fits(rig, told):
     off = []
     for number, truth in enumerate(np.asarray(truths)):
         robot = apply(rig.robot, rig.names, jnp.asarray(truth))
-        found = estimate(campaign(robot, logged(robot, STEP, [5, number])), robot=rig.robot)
+        found = estimate(
+            campaign(robot, logged(robot, STEP, [5, number])), FitOptions(robot=rig.robot)
+        )
         values = {p.name: p.value for p in found.parameters}
         off.append(np.array([encode(n, values[n]) for n in rig.names]) - truth)
     # Twenty deviations, five of a fit: their root mean square is between these at 99 %.

@@ -15,7 +15,7 @@ from identification.next_run.next_experiment import (
     propose,
     sharpest,
 )
-from identification.result.estimate import estimate
+from identification.result.estimation import estimate
 
 COVARIANCE = np.array([[4e-2, -1e-2], [-1e-2, 9e-2]])
 

@@ -9,10 +9,11 @@ from robot_numbers import numbers_of
 
 from scdpr_jax.engines import stepping
 from scdpr_jax.engines.linear_stepping import simulate_linear
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.friction import Coulomb
-from scdpr_jax.robot.parameters import replace, value, with_friction
+from scdpr_jax.robot.parameters import with_friction
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import State
 
 FREE = ("friction_coefficient", "drive_inertia", "drive_damping", "effective_pretension")
 GRID = 5e-3

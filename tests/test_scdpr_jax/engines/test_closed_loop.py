@@ -16,10 +16,12 @@ from scdpr_jax.engines.closed_loop import (
     pulley_angles,
     sampled_loop,
 )
-from scdpr_jax.robot.dynamics import State, masses, rest
+from scdpr_jax.robot.dynamics import masses
 from scdpr_jax.robot.kinematics import forward_kinematics
-from scdpr_jax.robot.parameters import replace, smoothed
+from scdpr_jax.robot.parameters import smoothed
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import State, carriages, rest
 
 CAMPAIGNS = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "campaigns"
 ROBOT = consistent()
@@ -104,9 +106,9 @@ def test_error_and_tilt_of_the_manoeuvre_tell_the_pretension(
 ):
     friction = {"effective_pretension": tension, "friction_coefficient": 4.5 / (4 * tension)}
     states = run(replace(ROBOT, friction), placed(0.3, 0.3, 0.55), horizontal).states
-    deviation = np.asarray(horizontal - states.position[:, jnp.array([0, 4])])
+    deviation = np.asarray(horizontal - states.pose)
     largest = np.linalg.norm(deviation, axis=1).max()
-    tilt = np.rad2deg(np.abs(states.position[:, 1]).max())
+    tilt = np.rad2deg(np.abs(states.tilt).max())
     # Whole millimetres and tenths of a degree, and half of one for the profile.
     assert abs(1e3 * largest - millimetres) <= 1.0
     assert abs(tilt - degrees) <= 0.1
@@ -116,7 +118,7 @@ def test_robot_that_is_where_it_should_be_stays():
     start = placed(0.7, 0.7, 0.5)
     found = run(ROBOT, start, jnp.tile(jnp.array([0.7, 0.5]), (TIMES.size, 1)))
     assert jnp.array_equal(found.voltage, jnp.zeros((TIMES.size - 1, 2)))
-    assert jnp.array_equal(found.states.velocity[:, 2:4], jnp.zeros((TIMES.size, 2)))
+    assert jnp.array_equal(carriages(found.states.velocity), jnp.zeros((TIMES.size, 2)))
     # Nothing holds the height: the rounding of its cables' pull, 4T, may push it all along.
     push = 8 * jnp.finfo(float).eps * 4 * ROBOT.cable.effective_pretension
     assert jnp.max(jnp.abs(found.states.velocity[:, 4])) <= push / masses(ROBOT)[4] * TIMES[-1]

@@ -11,8 +11,8 @@ from event_by_event import Held, Linear, Nonlinear, simulate, slope
 from robot_numbers import numbers_of
 
 from scdpr_jax.linear.model import linearise
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 RUNS = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "stick_slip"
 ROUNDING = {

@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 
 from scdpr_jax.engines import stepping
 from scdpr_jax.linear.modes import DRIVEN, natural_frequencies
-from scdpr_jax.robot.dynamics import State, energy, rest
-from scdpr_jax.robot.parameters import replace, smoothed
+from scdpr_jax.robot.dynamics import energy
+from scdpr_jax.robot.parameters import smoothed
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import State, carriages, rest
 
 RUNS = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "stick_slip"
 NAMES = ("breakaway", "diagonal-reversals", "knock-at-rest", "torque-step")
@@ -72,7 +74,7 @@ def test_positions_are_an_event_located_integrators_to_a_micrometre(reference_ru
 def test_carriages_stick_where_an_event_located_integrators_do(reference_run):
     rows, states = reference_run
     truth = rows[:, 14:16] == 1
-    differing = (states.velocity[:, 2:4] == 0) != truth
+    differing = (carriages(states.velocity) == 0) != truth
     changes = np.diff(truth, axis=0, prepend=truth[:1], append=truth[-1:])
     beside_an_event = changes[:-1] | changes[1:]
     assert not np.any(differing & ~beside_an_event)
@@ -152,7 +154,7 @@ def test_empty_interval_leaves_the_state_bit_for_bit(rates, voltage):
 def test_robot_within_the_friction_cone_stays_bit_for_bit():
     start = placed(1.0, 1.0 - 0.9 * 1.112 * 4.5 / (4 * 85), 0.5)
     states = on_grid(ROBOT, start, np.full(500, 1e-3), np.zeros((500, 2)))
-    assert np.array_equal(states.velocity[:, 2:4], np.zeros((501, 2)))
+    assert np.array_equal(carriages(states.velocity), np.zeros((501, 2)))
     # The end-effector hangs in balance up to roundings of the loop's 2T in 0.5 s.
     drift = np.abs(states.position - np.asarray(start.position)).max()
     assert drift <= 2 * 85 * 64 * np.finfo(float).eps / 0.025 * 0.5**2
@@ -161,7 +163,7 @@ def test_robot_within_the_friction_cone_stays_bit_for_bit():
 def test_robot_outside_the_friction_cone_slides():
     start = placed(1.0, 1.0 - 1.1 * 1.112 * 4.5 / (4 * 85), 0.5)
     states = on_grid(ROBOT, start, np.full(500, 1e-3), np.zeros((500, 2)))
-    assert np.all(np.abs(states.position[-1, 2:4] - start.position[2:4]) > 1e-5)
+    assert np.all(np.abs(states.carriages[-1] - start.carriages) > 1e-5)
 
 
 def test_smooth_friction_is_sent_to_the_adaptive_solvers():
@@ -261,7 +263,7 @@ DIFFERENCE_ERROR = 1e-8
 
 
 def test_run_of_the_derivatives_sticks_and_slips():
-    velocity = on_grid(*scaled(jnp.ones(7)), np.full(1200, 1e-3), PUSH).velocity[:, 2:4]
+    velocity = carriages(on_grid(*scaled(jnp.ones(7)), np.full(1200, 1e-3), PUSH).velocity)
     assert np.all(np.sum(np.diff(velocity == 0, axis=0), axis=0) >= 2)
 
 

@@ -10,9 +10,10 @@ from scdpr_jax.engines.tensioned_loop import (
     logarithmic_creep,
     simulate_tensioned,
 )
-from scdpr_jax.robot.dynamics import masses, rest
-from scdpr_jax.robot.parameters import replace
+from scdpr_jax.robot.dynamics import masses
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import rest
 
 EPS = float(np.finfo(float).eps)
 ROBOT = consistent()

@@ -6,8 +6,8 @@ import numpy as np
 
 from scdpr_jax.robot.cable import lengthening, loop_forces, potential
 from scdpr_jax.robot.dynamics import drive_forces, drive_friction
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 ELASTIC = replace(consistent(), {"loop_stiffness": 2600.0})
 POSITION = jnp.array([0.9, 0.04, 0.95, 0.88, 0.6])

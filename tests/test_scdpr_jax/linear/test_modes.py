@@ -20,8 +20,8 @@ from scdpr_jax.linear.modes import (
     natural_frequencies,
 )
 from scdpr_jax.robot.dynamics import masses
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 EPS = float(np.finfo(float).eps)
 ROBOT = consistent()

@@ -7,8 +7,8 @@ from scdpr_jax.linear.model import stiffness_matrix
 from scdpr_jax.linear.modes import BOTH_HELD, CONDITIONS, LOWER_HELD, PRINTED
 from scdpr_jax.linear.stiffness import cable_lengths, four_cable_stiffness, horizontal_stiffness
 from scdpr_jax.robot.loop_elasticity import CableSection, consistent_section
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from scdpr_jax.statics.four_cables import least_tensions, needed_tension
 
 EPS = float(np.finfo(float).eps)

@@ -12,8 +12,8 @@ import pytest
 
 from scdpr_jax.linear.modes import CONDITIONS, natural_frequencies
 from scdpr_jax.numerics.batches import chunks, in_chunks
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 
 
 def frequencies(point):

@@ -15,9 +15,10 @@ from scdpr_jax.robot.cable import (
     small_cable_angles,
     tension_increase,
 )
-from scdpr_jax.robot.dynamics import drive_forces, gravity_force, knock_forces, rest
-from scdpr_jax.robot.parameters import replace
+from scdpr_jax.robot.dynamics import drive_forces, gravity_force, knock_forces
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import rest
 
 EPS = float(np.finfo(float).eps)
 TENSION = 85.0

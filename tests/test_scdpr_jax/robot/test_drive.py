@@ -12,8 +12,8 @@ from scdpr_jax.robot.drive import (
     motor_torque,
     transfer_function,
 )
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent, published
+from scdpr_jax.robot.quantities import replace
 
 EPS = float(np.finfo(float).eps)
 DRIVE = consistent().drive

@@ -9,8 +9,8 @@ import pytest
 import scipy.optimize
 from jax.test_util import check_grads
 
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from scdpr_jax.statics.four_cables import needed_tension
 
 WIDTH, HEIGHT = 2.224, 1.112

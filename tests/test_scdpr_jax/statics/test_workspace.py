@@ -7,8 +7,8 @@ import pytest
 from hypothesis import strategies as st
 from jax.test_util import check_grads
 
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from scdpr_jax.statics.workspace import frame_share, reachable_share, static_workspace
 
 EPS = float(np.finfo(float).eps)

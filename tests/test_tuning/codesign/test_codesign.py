@@ -1,5 +1,6 @@
 """A small co-design: two settings, two heights, two legs."""
 
+import dataclasses
 import functools
 import itertools
 
@@ -11,18 +12,19 @@ import pytest
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.shaper import ShapedTrajectory
 from scdpr_jax.command.trajectory import BezierLeg, rest_to_rest
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from tuning.codesign import (
     co_design,
     evaluate,
     front,
     knee,
     models,
+    outcomes,
     references,
     usual_move_times,
 )
-from tuning.codesign import legs as leg_module
 from tuning.codesign.search import _starts, shaped
 from tuning.codesign.unknowns import Unknowns, command, law, plain_profile, start
 from tuning.loop.admissible import _slack, admissible
@@ -66,8 +68,8 @@ def within():
 @pytest.fixture(scope="module")
 def few_lanes():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(leg_module, "LANES", 8)
-        patch.setattr(leg_module, "SLOPED_LANES", 2)
+        patch.setattr(outcomes, "LANES", 8)
+        patch.setattr(outcomes, "SLOPED_LANES", 2)
         yield
 
 
@@ -144,7 +146,7 @@ def test_whatever_the_unknowns_the_move_takes_its_time(within, seed):
 def test_a_command_is_the_shaped_leg(within):
     row = jnp.asarray(np.random.default_rng(4).normal(0, 1, 12))
     told = law(Unknowns.of(row), jnp.asarray(2.3), within)
-    on = leg_module.grid(2.3, 2e-3)
+    on = outcomes.grid(2.3, 2e-3)
     share = command(told, on=on).share
     leg = BezierLeg(told.profile[:, None] * jnp.ones((1, 2)), told.leg_time)
     whole = ShapedTrajectory(leg, told.shaper)
@@ -157,7 +159,7 @@ def test_a_command_is_the_shaped_leg(within):
 def test_a_start_is_nearly_the_catalogues_shaper(within):
     shaper = CATALOGUE[0].design(3.0, 0.0)
     point = start(shaper, move_time=2.3, gains=(0.5, 0.2))
-    on = leg_module.grid(2.3, 2e-3)
+    on = outcomes.grid(2.3, 2e-3)
     near = command(law(point, jnp.asarray(2.3), within), on=on).share
     exactly = command(shaped(published_pd(), shaper, move_time=2.3), on=on).share
     # Parts of one impulse 15 ms apart at the most, at a speed of one way a second.
@@ -167,14 +169,14 @@ def test_a_start_is_nearly_the_catalogues_shaper(within):
 def test_residuals_change_as_their_derivatives_say(within):
     model = jax.tree.map(lambda leaf: jnp.asarray(leaf[1]), SEEN)
     # Exact angles: a staircase has no differences to compare with.
-    on = leg_module.grid(2.3, 2e-3)._replace(counts=1e12)
+    on = dataclasses.replace(outcomes.grid(2.3, 2e-3), counts=1e12)
     random = np.random.default_rng(2)
     row = start(CATALOGUE[0].design(3.0, 0.0), move_time=2.3, gains=(0.5, 0.3)).flat()
     along = jnp.asarray(random.normal(0, 1, row.size))
 
     def residuals(row):
         told = command(law(Unknowns.of(row), jnp.asarray(2.3), within), on=on)
-        return leg_module._leg(model, told, on).residuals
+        return outcomes._leg(model, told, on).residuals
 
     # One program for values and slopes: it takes longer to compile than to run.
     both = jax.jit(lambda row: jax.jvp(residuals, (row,), (along,)))

@@ -5,8 +5,9 @@ import types
 import numpy as np
 import pytest
 
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from tuning.gains.tune import tune
 from tuning.loop.admissible import PEAK_SENSITIVITY, PHASE_MARGIN
 

@@ -7,8 +7,9 @@ import scipy.linalg
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.linear.model import linearise
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from tuning.loop.flexible_loop import (
     JOINT_LOOPS,
     LIFTING,
@@ -22,7 +23,7 @@ from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import MotorPlant
 from tuning.loop.responses import sampled_loop
 from tuning.loop.worst_margins import margin_map, worst_margins
-from tuning.result.types import FittedSetting
+from tuning.result.tuning import FittedSetting
 
 PERIOD = 1e-3
 ROBOT = exact(consistent())

@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 from jax.test_util import check_grads
 
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import State, accelerations, rest
-from scdpr_jax.robot.parameters import replace
+from scdpr_jax.robot.dynamics import accelerations
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import State, driven, rest
 from tuning.plan.feedforward import Motion, inverse_dynamics
 
 SPEED = st.floats(0.1, 1.2) | st.floats(-1.2, -0.1)
@@ -21,21 +22,39 @@ def volts_and_answer(robot, state, wanted):
     voltage = inverse_dynamics(robot, state, wanted)
     torque = motor_torque(robot.drive, voltage)
     answer = accelerations(robot, state, torque=torque, knock=jnp.zeros(()))
-    return voltage, answer[jnp.asarray((2, 4))]
+    return voltage, driven(answer)
 
 
-@given(SPEED, SPEED, RATE, RATE, st.floats(-0.03, 0.03), st.sampled_from([0.0, 0.05]))
+@given(
+    SPEED,
+    SPEED,
+    RATE,
+    RATE,
+    st.floats(-0.03, 0.03),
+    st.sampled_from([(0.0, 0.0), (0.05, 0.0), (0.3, 0.2), (0.3, -0.2)]),
+)
 def test_the_commands_give_the_accelerations_that_were_wanted(v_3, v_y, a_3, a_y, lag, dry):
     # A limit that no command reaches: a clipped one can't give what was wanted.
-    robot = replace(consistent(), {"drive_friction": dry, "voltage_limit": 100.0})
+    friction, difference = dry
+    numbers = {"drive_friction": friction, "drive_friction_difference": difference}
+    robot = replace(consistent(), {**numbers, "voltage_limit": 100.0})
     at = rest(robot, jnp.asarray(1.0), jnp.asarray(1.0 + lag), jnp.asarray(0.5))
     velocity = jnp.asarray([0.9 * v_3, 0.1, v_3, v_3, v_y])
-    wanted = Motion(
-        at.position[jnp.asarray((2, 4))], velocity[jnp.asarray((2, 4))], jnp.asarray([a_3, a_y])
-    )
+    wanted = Motion(at.driven, driven(velocity), jnp.asarray([a_3, a_y]))
     _, answer = volts_and_answer(robot, State(at.position, velocity), wanted)
     # tanh of 50 widths is 1 to the last digit; the sums are of some 100 N.
     assert jnp.max(jnp.abs(answer - wanted.acceleration)) < 1e-11
+
+
+def test_each_drive_is_compensated_for_its_own_friction():
+    equal = replace(consistent(), {"drive_friction": 0.3})
+    unequal = replace(equal, {"drive_friction_difference": 0.2})
+    at = rest(equal, *jnp.asarray([1.0, 1.0, 0.5]))
+    moving = Motion(jnp.asarray([1.0, 0.5]), jnp.asarray([0.5, 0.0]), jnp.zeros(2))
+    both, each = (volts_and_answer(robot, at, moving)[0] for robot in (equal, unequal))
+    # A tenth of a newton metre less for the first drive, a tenth more for the second.
+    more = 0.1 / float(equal.drive.torque_per_volt)
+    assert (each - both).tolist() == pytest.approx([-more, more], rel=1e-9)
 
 
 def test_at_rest_in_line_nothing_is_commanded():

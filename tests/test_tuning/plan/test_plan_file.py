@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from tuning.plan.plan_file import COLUMNS, Plan, read_plan, write_plan
+from tuning.plan.plan import Plan
+from tuning.plan.plan_file import COLUMNS, read_plan, write_plan
 
 PLAN = Plan(
     np.arange(4) * 1e-3,
@@ -13,9 +14,10 @@ PLAN = Plan(
 
 def test_a_plan_that_is_written_and_read_is_the_same(tmp_path):
     write_plan(tmp_path / "plan.csv", PLAN)
-    for again, part in zip(read_plan(tmp_path / "plan.csv"), PLAN, strict=True):
+    again = read_plan(tmp_path / "plan.csv")
+    for name in ("time", "position", "angle", "feedforward"):
         # Nine decimals are written.
-        np.testing.assert_allclose(again, part, atol=5e-10)
+        np.testing.assert_allclose(getattr(again, name), getattr(PLAN, name), atol=5e-10)
 
 
 def test_the_header_is_the_one_that_controllers_read(tmp_path):

@@ -1,17 +1,18 @@
 """One leg, planned for rig-a, and run under control on robots that differ from it."""
 
-import jax
-import jax.numpy as jnp
+import equinox as eqx
 import numpy as np
 import pytest
 
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
-from scdpr_jax.engines.closed_loop import closed_loop
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import exact, replace
+from scdpr_jax.legs.command_law import CommandLaw
+from scdpr_jax.legs.ensemble import single
+from scdpr_jax.legs.leg import run_leg
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
-from tuning.plan.planning import ORDERS, Pace, chosen_pace, plan_leg
+from scdpr_jax.robot.quantities import replace
+from tuning.plan.planning import plan_leg
 
 NUMBERS = {
     "effective_pretension": 85.166460,
@@ -21,7 +22,6 @@ NUMBERS = {
 }
 FITTED = exact(replace(consistent(), NUMBERS))
 START, END = (0.3, 0.55), (1.9, 0.55)
-AFTER = 1000
 
 
 @pytest.fixture(scope="module")
@@ -29,24 +29,18 @@ def leg():
     return plan_leg(FITTED, published_pd(), START, END)
 
 
-@jax.jit
-def run(robot, led, forward):
-    held = ((0, AFTER), (0, 0))
-    led = jnp.pad(led, held, mode="edge")
-    start = rest(robot, led[0, 0], led[0, 0], led[0, 1])
-    forward = jnp.pad(forward, held)
-    return closed_loop(robot, start, published_pd(), reference=led, feedforward=forward)
+@eqx.filter_jit
+def run(robot, commands):
+    return run_leg(robot, single(robot, commands.commanded[0]).start, commands)
 
 
-def vibration(robot, led, forward):
-    x = run(robot, jnp.asarray(led), jnp.asarray(forward)).states.position[-AFTER - 1 :, 0]
-    return float(jnp.ptp(x))
+def planned(robot, leg):
+    return run(robot, leg.commands(robot, published_pd(), rest=1.0))
 
 
-def plain(leg):
-    profile = rest_to_rest(START, END, duration=leg.time[-1])
-    led = jax.vmap(profile.position)(jnp.asarray(leg.time))
-    return led, jnp.zeros_like(led)
+def plain(robot, leg):
+    law = CommandLaw(rest_to_rest(START, END, duration=leg.time[-1]), published_pd())
+    return run(robot, law.commands(leg.time.size + 1000))
 
 
 @pytest.mark.slow
@@ -54,41 +48,21 @@ def plain(leg):
 def test_the_vibration_of_the_plain_leg_is_cut(leg, tension, left):
     share = {**NUMBERS, "effective_pretension": 85.166460 * tension}
     robot = exact(replace(consistent(), share))
-    planned = vibration(robot, leg.driven, leg.feedforward)
-    assert planned <= left * vibration(robot, *plain(leg))
+    after, before = planned(robot, leg).measures, plain(robot, leg).measures
+    assert after.residual_vibration <= left * before.residual_vibration
 
 
 @pytest.mark.slow
 def test_it_rests_at_the_target(leg):
-    last = run(FITTED, jnp.asarray(leg.driven), jnp.asarray(leg.feedforward)).states
-    q = last.position[-1]
-    rested = q[2] + (q[3] - q[2]) * q[4] / FITTED.frame.height
     # Half of what the plain leg leaves, 1.5 mm.
-    assert abs(float(rested) - END[0]) < 0.75e-3
+    assert planned(FITTED, leg).measures.resting_error < 0.75e-3
 
 
 @pytest.mark.slow
 def test_the_drives_are_led_from_the_start_to_the_target(leg):
-    np.testing.assert_allclose(leg.driven[[0, -1]], [START, END], atol=1e-12)
+    np.testing.assert_allclose(leg.driven(FITTED)[[0, -1]], [START, END], atol=1e-12)
 
 
 @pytest.mark.slow
 def test_the_commands_stay_within_the_drives(leg):
-    voltage = run(FITTED, jnp.asarray(leg.driven), jnp.asarray(leg.feedforward)).voltage
-    assert float(jnp.max(jnp.abs(voltage))) < 10.0
-
-
-def test_a_leg_that_the_drives_can_do_in_two_seconds_takes_two():
-    pace = chosen_pace(FITTED, np.array(START), np.array(END), None)
-    assert pace == Pace(2.0, 2)
-
-
-def test_what_the_papers_profile_can_t_do_in_two_seconds_is_done_at_an_evener_pace():
-    """Table 3's diagonal takes the paper's profile to the limit at 2.5 s a leg already."""
-    ends = np.array([2.08, 0.92]), np.array([0.01, 0.19])
-    pace = chosen_pace(FITTED, *ends, None)
-    assert 2.0 < pace.leg_time < 2.5
-    assert pace.order == max(ORDERS)
-    # At a time that is asked for it is the paper's where the drives can follow it.
-    assert chosen_pace(FITTED, *ends, 4.0) == Pace(4.0, 2)
-    assert chosen_pace(FITTED, *ends, 1.0) == Pace(1.0, max(ORDERS))
+    assert planned(FITTED, leg).measures.largest_voltage < 10.0

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from scdpr_jax.linear.modes import BOTH_HELD, natural_frequencies
-from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import value
 from tuning.regions.cells import cells_of, other_modes, robot_in
 
 ROBOT = consistent()

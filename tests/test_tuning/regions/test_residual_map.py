@@ -15,7 +15,8 @@ from scdpr_jax.linear.modes import BOTH_HELD, natural_frequencies
 from scdpr_jax.robot.prototype import consistent
 from tuning.loop.margins import Margins
 from tuning.regions.residual_map import held_mode, residual_map, worst_in_band
-from tuning.result.types import FittedSetting, Region, RegionalShaper, ResidualVibration, Tuning
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 from tuning.shapers.catalogue import ei, zv
 
 ROBOT = consistent()

@@ -20,7 +20,7 @@ from tuning.regions.schedule import (
     schedule_of,
     scheduled_samples,
 )
-from tuning.result.types import Region, RegionalShaper, ResidualVibration
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
 from tuning.shapers.catalogue import ei, um_zv, zv, zvd
 
 X_EDGES, Y_EDGES = (0.0, 0.8, 1.4, 2.224), (0.0, 0.4, 1.112)

@@ -5,21 +5,16 @@ import jax
 import pytest
 
 from scdpr_jax.command.controller import published_pd
-from scdpr_jax.robot.parameters import EVERY_QUANTITY, exact, replace, value
+from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace, value
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
 from tuning.loop.worst_margins import WorstMargin
 from tuning.result.document import read_tuning, tuning_document, write_tuning
-from tuning.result.types import (
-    FittedSetting,
-    Metrics,
-    Prediction,
-    Region,
-    RegionalShaper,
-    ResidualVibration,
-    Tuning,
-)
+from tuning.result.prediction import Metrics, Prediction
+from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
+from tuning.result.tuning import FittedSetting, Tuning
 from tuning.shapers.catalogue import ei
 
 METRICS = Metrics(5e-3, 2e-3, 54e-3, 15e-3, 54e-3, 8.9, 0.0)

@@ -6,12 +6,12 @@ import pathlib
 import numpy as np
 import pytest
 
-from experiments.files.spectrum_file import read_spectrum
 from tuning.shapers.catalogue import CATALOGUE, ei, mzv, zv
 from tuning.shapers.comparison import fitted, pick
 from tuning.shapers.design import least_duration, least_residual
 from tuning.shapers.spectrum import DAMPING_RATIOS, Spectrum, vibration_left
 from tuning.shapers.spectrum_design import design_for_spectrum
+from tuning.shapers.spectrum_file import read_spectrum
 
 PRINTERS = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "klipper"
 needs_printers = pytest.mark.skipif(not PRINTERS.is_dir(), reason="the spectra are absent")

@@ -23,7 +23,7 @@ def _torque(robot_of: Callable[[], Robot]) -> float:
     return float(motor_torque(robot_of().drive, jnp.asarray(0.68)))
 
 
-BREAKAWAY: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     Claim(
         "fig10",
         "5.1",

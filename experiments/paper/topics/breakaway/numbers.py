@@ -11,10 +11,11 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.engines.stepping import Inputs, simulate
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.friction import Coulomb
-from scdpr_jax.robot.parameters import replace, value, with_friction
+from scdpr_jax.robot.parameters import with_friction
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import UPPER, rest
 
 REPEATS = 30
 """Repetitions, as in section 5.1."""
@@ -115,7 +116,7 @@ def _simulated(
         here = jnp.asarray(START)
         rubbed = with_friction(robot, lower=lower, upper=upper)
         start = rest(rubbed, here, here, robot.frame.height / 2)
-        return simulate(rubbed, start, inputs).position[:, 2:4]
+        return simulate(rubbed, start, inputs).carriages
 
     return jax.vmap(run)(friction)
 
@@ -169,5 +170,5 @@ def moves_with_printed_friction() -> float:
     inputs = Inputs(jnp.full(500, _PERIOD), jnp.full((500, 2), 10.0), jnp.zeros(500))
     here = jnp.asarray(START)
     start = rest(stuck, here, here, stuck.frame.height / 2)
-    end = eqx.filter_jit(simulate)(stuck, start, inputs).position[-1, 3]
+    end = eqx.filter_jit(simulate)(stuck, start, inputs).position[-1, UPPER]
     return float(end) - START

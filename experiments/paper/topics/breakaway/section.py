@@ -1,7 +1,8 @@
 """Section of Figure 10."""
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.breakaway.figure import draw_fig10
 from experiments.paper.topics.breakaway.numbers import (
     NOMINAL,
@@ -11,8 +12,8 @@ from experiments.paper.topics.breakaway.numbers import (
     printed_force,
     unbiased_force,
 )
-from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import value
 
 
 def fig10(picture: Pictures) -> Content:

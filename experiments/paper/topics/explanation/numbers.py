@@ -26,9 +26,9 @@ from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import Trajectory, table_3
 from scdpr_jax.engines.closed_loop import closed_loop
 from scdpr_jax.linear.modes import BOTH_HELD, DRIVEN, LOWER_HELD, PRINTED, Condition
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import rest
 
 NOMINAL = 350.0
 """Nominal pretension of the manoeuvres and of the breakaway [N]; section 6 prints none."""
@@ -245,9 +245,8 @@ def _extremes(
         wanted = jax.vmap(reference.position)(time)
         x, y = wanted[0]
         found = closed_loop(robot, rest(robot, x, x, y), published_pd(), reference=wanted)
-        position = found.states.position
-        off = jnp.hypot(*(position[:, jnp.asarray([0, 4])] - wanted).T)
-        return jnp.max(off), jnp.max(jnp.abs(position[:, 1]))
+        off = jnp.hypot(*(found.states.pose - wanted).T)
+        return jnp.max(off), jnp.max(jnp.abs(found.states.tilt))
 
     each = jax.vmap(run, in_axes=(None, None, 0))
     return jax.vmap(each, in_axes=(0, 0, None))(tension, friction, references)

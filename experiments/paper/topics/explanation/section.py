@@ -1,7 +1,8 @@
 """Section on the best explanation of everything that is reported."""
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.explanation.figure import draw_explanations
 from experiments.paper.topics.explanation.numbers import (
     NOMINAL,

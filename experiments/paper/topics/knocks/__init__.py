@@ -1,1 +1,4 @@
-"""The topic `knocks`."""
+"""Knocks and the natural frequency over the workspace: Figures 11 and 12, section 5.2."""
+
+from experiments.paper.topics.knocks.claims import CLAIMS as CLAIMS
+from experiments.paper.topics.knocks.section import SECTIONS as SECTIONS

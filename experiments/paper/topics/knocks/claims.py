@@ -20,7 +20,7 @@ def _rise_of_knocks() -> float:
     return float(np.mean(peaks[:, 1:3]) / np.mean(peaks[:, [0, 3]]))
 
 
-FREQUENCIES: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     Claim(
         "fig11",
         "5.2, Fig. 11",

@@ -13,9 +13,10 @@ from identification.knocks.spectrum import SpectralPeak, amplitude_spectrum, nat
 from scdpr_jax.command.sensors import Camera, frame_times, observe
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate
 from scdpr_jax.linear.modes import CONDITIONS, Condition, natural_frequencies
-from scdpr_jax.robot.dynamics import State, rest
-from scdpr_jax.robot.parameters import Robot, replace, value
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import State, rest
 
 SETTINGS = (200.0, 350.0, 500.0)
 """Nominal pretensions of section 5.2 [N]."""

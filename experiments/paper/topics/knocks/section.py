@@ -3,7 +3,8 @@
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.knocks.figure import draw_fig11, draw_fig12
 from experiments.paper.topics.knocks.numbers import (
     FORCE,

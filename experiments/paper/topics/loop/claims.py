@@ -10,10 +10,10 @@ from experiments.paper.topics.loop.numbers import (
     step_response,
 )
 from scdpr_jax.robot.drive import drive_pole
-from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent, published
+from scdpr_jax.robot.quantities import value
 
-LOOP: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     Claim(
         "eq24",
         "(24)",

@@ -4,7 +4,8 @@ import math
 
 from experiments.page.number_text import plain, rounded
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.loop.figure import draw_bode, draw_step_response
 from experiments.paper.topics.loop.numbers import (
     STEP,

@@ -70,7 +70,7 @@ def _given(name: str) -> tuple[Claim, ...]:
     return (*poses, time)
 
 
-MANOEUVRES: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     *(claim for name in NAMES for claim in _given(name)),
     Claim(
         "table3",

@@ -15,6 +15,7 @@ from experiments.page.style import (
     thinned,
 )
 from experiments.paper.topics.manoeuvres.numbers import Tracked
+from scdpr_jax.robot.state import HEIGHT, TILT, X, pose
 
 
 @styled
@@ -28,7 +29,7 @@ def draw_tracking(run: Tracked) -> Figure:
         The figure.
     """
     figure = new_figure(height=3.0)
-    for axes, column, part in zip(figure.subplots(1, 2), (0, 4), (0, 1), strict=True):
+    for axes, column, part in zip(figure.subplots(1, 2), (X, HEIGHT), (0, 1), strict=True):
         axes.plot(
             *thinned(run.time, 1e3 * run.position[:, column]), color=BLUE, label="end-effector"
         )
@@ -91,12 +92,12 @@ def draw_diagonal(run: Tracked) -> Figure:
     """
     figure = new_figure(height=3.2)
     path, tilt = figure.subplots(1, 2)
-    path.plot(*(1e3 * run.position[::10, c] for c in (0, 4)), color=BLUE, label="end-effector")
+    path.plot(*(1e3 * pose(run.position)[::10].T), color=BLUE, label="end-effector")
     path.plot(*(1e3 * run.reference[::10].T), color=BLACK, ls="--", lw=1.0, label="reference")
     path.set_xlabel(label("xₑ", "mm"))
     path.set_ylabel(label("yₑ", "mm"))
     legend_above(path)
-    tilt.plot(*thinned(run.time, np.rad2deg(run.position[:, 1])), color=BLUE)
+    tilt.plot(*thinned(run.time, np.rad2deg(run.position[:, TILT])), color=BLUE)
     for sign in (-1, 1):
         tilt.axhline(sign * 3.2, color=GREY, ls="--", lw=1.0)
     tilt.set_title("rotation, and the reported 3.2°")

@@ -12,9 +12,10 @@ from jaxtyping import Array, Float
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import TABLE_3_LEG_TIMES, Trajectory, table_3
 from scdpr_jax.engines.closed_loop import closed_loop, joint_references, pulley_angles
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import Robot, replace, value
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import TILT, pose, rest
 
 NAMES = ("horizontal", "vertical", "diagonal")
 """Manoeuvres of Table 3."""
@@ -57,12 +58,12 @@ class Tracked(NamedTuple):
     @property
     def error(self) -> Float[np.ndarray, " samples"]:
         """Distance from the reference, Eq. (26) [m]."""
-        return np.linalg.norm(self.position[:, [0, 4]] - self.reference, axis=1)
+        return np.linalg.norm(pose(self.position) - self.reference, axis=1)
 
     @property
     def tilt(self) -> float:
         """Largest rotation of the end-effector of either sign [rad]."""
-        return float(np.abs(self.position[:, 1]).max())
+        return float(np.abs(self.position[:, TILT]).max())
 
     @property
     def pushed(self) -> float:

@@ -3,7 +3,8 @@
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.manoeuvres.figure import (
     draw_diagonal,
     draw_errors,
@@ -17,6 +18,7 @@ from experiments.paper.topics.manoeuvres.numbers import (
     Tracked,
     tracked,
 )
+from scdpr_jax.robot.state import X
 
 _CASES = (
     ("horizontal", ONE_LEG, None, 0.0),
@@ -97,7 +99,7 @@ def _tracking(name: str, picture: Pictures, then: str) -> Content:
 def _rest(run: Tracked) -> tuple[float, float]:
     """Swing of the end-effector in the last half second, and where it swings about [m]."""
     last = run.time >= run.time[-1] - 0.5
-    away = run.position[last, 0] - run.reference[last, 0]
+    away = run.position[last, X] - run.reference[last, 0]
     return float(np.ptp(away)), float(np.mean(away))
 
 

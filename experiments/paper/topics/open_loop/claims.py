@@ -59,7 +59,7 @@ def _runs(experiment: int) -> tuple[Claim, ...]:
     )
 
 
-OPEN_LOOP: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     *(claim for experiment in (1, 2, 3, 4) for claim in _inputs(experiment)),
     *(claim for experiment in (1, 2, 3, 4) for claim in _runs(experiment)),
     Claim(

@@ -11,9 +11,10 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.engines.stepping import Inputs, simulate
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import Robot, replace
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
+from scdpr_jax.robot.state import pose, rest
 from scdpr_jax.statics.workspace import static_workspace
 
 POSES = ((0.173, 0.300), (1.830, 0.300), (0.550, 0.234), (0.550, 0.921))
@@ -47,7 +48,7 @@ class OpenLoop(NamedTuple):
         Returns:
             Distance from the start [m].
         """
-        run = self.position[experiment - 1][:, [0, 4]]
+        run = pose(self.position[experiment - 1])
         return float(np.linalg.norm(run[-1] - run[0]))
 
     def margin(self, experiment: int) -> float:

@@ -1,9 +1,11 @@
 """Sections of Table 2 and Figures 13 and 14."""
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.open_loop.figure import draw_fig13, draw_fig14, draw_table2
 from experiments.paper.topics.open_loop.numbers import POSES, TITLES, TORQUES, open_loop
+from scdpr_jax.robot.state import pose
 
 
 def table2(picture: Pictures) -> Content:
@@ -21,7 +23,7 @@ def table2(picture: Pictures) -> Content:
             TITLES[index],
             f"[{POSES[index][0]:.3f}, {POSES[index][1]:.3f}]",
             f"[{TORQUES[index][0]:.2f}, {TORQUES[index][1]:.2f}]",
-            "[{:.3f}, {:.3f}]".format(*runs.position[index, -1, [0, 4]]),
+            "[{:.3f}, {:.3f}]".format(*pose(runs.position[index, -1])),
             f"{1e3 * runs.travel(index + 1):.0f}",
             f"{1e3 * runs.margin(index + 1):.0f}",
             f"{1e3 * narrow.travel(index + 1):.0f}",

@@ -7,8 +7,8 @@ from experiments.paper.topics.prototype.numbers import derived_consistently
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.sensors import Camera, Encoder
 from scdpr_jax.robot.loop_elasticity import consistent_section
-from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import value
 
 
 def _given(where: str, what: str, printed: str, unit: str, held: Callable[[], float]) -> Claim:
@@ -27,7 +27,7 @@ def _offsets() -> float:
     )
 
 
-PROTOTYPE: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     _given("Table 1", "width W of the frame", "2224", "mm", _robot("frame_width", 1e3)),
     _given("Table 1", "height H of the frame", "1112", "mm", _robot("frame_height", 1e3)),
     _given(

@@ -2,14 +2,15 @@
 
 from experiments.page.number_text import plain, readable_unit, short
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.prototype.numbers import (
     Derived,
     derived_as_printed,
     derived_consistently,
 )
-from scdpr_jax.robot.parameters import quantity
 from scdpr_jax.robot.prototype import PROVENANCE
+from scdpr_jax.robot.quantities import quantity
 
 _DERIVED = (
     ("reflected_inertia", "both drives' inertia at the cable, 2J/r²", "kg"),

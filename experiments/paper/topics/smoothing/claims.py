@@ -5,7 +5,7 @@ import numpy as np
 from experiments.paper.claim import Claim, Verdict, at_least, at_most, within
 from experiments.paper.topics.smoothing.numbers import WANTED, smoothing
 
-SMOOTHING: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     Claim(
         "smoothing",
         "docs/validity.md",

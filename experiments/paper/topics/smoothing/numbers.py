@@ -21,9 +21,10 @@ from identification.fit.levenberg_marquardt import Normal, minimise
 from scdpr_jax.command.sensors import Camera
 from scdpr_jax.engines.adaptive import smooth_sensitivities
 from scdpr_jax.engines.stepping import Inputs, simulate
-from scdpr_jax.robot.dynamics import State, rest
-from scdpr_jax.robot.parameters import SMOOTHING_WIDTH, Robot, replace, smoothed, value
+from scdpr_jax.robot.parameters import SMOOTHING_WIDTH, Robot, smoothed
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import State, rest
 
 UNKNOWNS = ("friction_coefficient", "effective_pretension", "drive_inertia", "drive_damping")
 """What is fitted; the derivative that is looked at is the first one's."""

@@ -4,7 +4,8 @@ import numpy as np
 
 from experiments.page.number_text import percent, short
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.smoothing.figure import draw_smoothing
 from experiments.paper.topics.smoothing.numbers import STEPS, SYMBOLS, WANTED, WIDTHS, Errors
 from experiments.paper.topics.smoothing.numbers import smoothing as smoothing_numbers

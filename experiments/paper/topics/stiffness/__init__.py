@@ -1,1 +1,4 @@
-"""The topic `stiffness`."""
+"""How stiff both robots are over the workspace: the claim of section 7."""
+
+from experiments.paper.topics.stiffness.claims import CLAIMS as CLAIMS
+from experiments.paper.topics.stiffness.section import SECTIONS as SECTIONS

@@ -13,8 +13,8 @@ from experiments.paper.topics.workspaces.numbers import GRAVITY
 from scdpr_jax.linear.modes import BOTH_HELD, LOWER_HELD
 from scdpr_jax.linear.stiffness import four_cable_stiffness, horizontal_stiffness
 from scdpr_jax.robot.loop_elasticity import consistent_section
-from scdpr_jax.robot.parameters import replace
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from scdpr_jax.statics.four_cables import least_tensions
 
 TENSION = 350.0

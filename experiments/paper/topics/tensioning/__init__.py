@@ -1,1 +1,4 @@
-"""The topic `tensioning`."""
+"""The loop's cable, its creep and the actuator that keeps its tension: Figure 21."""
+
+from experiments.paper.topics.tensioning.claims import CLAIMS as CLAIMS
+from experiments.paper.topics.tensioning.section import SECTIONS as SECTIONS

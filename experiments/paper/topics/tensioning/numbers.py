@@ -19,7 +19,6 @@ from scdpr_jax.engines.tensioned_loop import (
     logarithmic_creep,
     simulate_tensioned,
 )
-from scdpr_jax.robot.dynamics import rest
 from scdpr_jax.robot.loop_elasticity import (
     CableSection,
     consistent_section,
@@ -30,6 +29,7 @@ from scdpr_jax.robot.loop_elasticity import (
 )
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.state import rest
 
 SETPOINT = 85.0
 """Effective pretension that is held [N]."""

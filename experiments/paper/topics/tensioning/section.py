@@ -1,7 +1,8 @@
 """Sections on the loop's cable and on Figure 21."""
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.prototype.numbers import derived_as_printed, derived_consistently
 from experiments.paper.topics.tensioning.figure import draw_creep, draw_tensions
 from experiments.paper.topics.tensioning.numbers import (

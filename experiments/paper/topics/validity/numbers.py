@@ -13,8 +13,9 @@ from experiments.paper.topics.manoeuvres.numbers import with_tension
 from scdpr_jax.engines.linear_stepping import simulate_linear
 from scdpr_jax.engines.stepping import Inputs, simulate
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import masses, rest
+from scdpr_jax.robot.dynamics import masses
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.state import LOWER, X, carriages, pose, rest
 
 HEIGHTS = tuple(np.linspace(0.2, 0.9, 6).tolist())
 """Heights of the map [m]."""
@@ -113,8 +114,8 @@ def _compared(
         linear = simulate_linear(
             robot, start, height=y, interval=jnp.asarray(_PERIOD), voltage=command
         ).position
-        error = jnp.hypot(*(true - linear)[:, jnp.asarray([0, 4])].T)
-        return jnp.max(error), jnp.max(jnp.abs(true[:, 0] - true[:, 2]))
+        error = jnp.hypot(*pose(true - linear).T)
+        return jnp.max(error), jnp.max(jnp.abs(true[:, X] - true[:, LOWER]))
 
     return jax.vmap(one)(tension, height, voltage)
 
@@ -132,7 +133,7 @@ def _sticking(
             jnp.where(jnp.arange(_RING) < _KNOCK, push, 0.0),
         )
         start = rest(robot, here, here, robot.frame.height / 2)
-        velocity = simulate(robot, start, inputs).velocity[_KNOCK:, 2:4]
+        velocity = carriages(simulate(robot, start, inputs).velocity[_KNOCK:])
         # The engine's sticking carriages have a velocity of exactly zero.
         return jnp.mean((velocity == 0).astype(velocity.dtype), axis=0)
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.validity.figure import draw_linear_error, draw_sticking
 from experiments.paper.topics.validity.numbers import CAMERA, HEIGHTS, TENSIONS, VOLTAGES
 from experiments.paper.topics.validity.numbers import validity as validity_numbers

@@ -13,7 +13,7 @@ def _one_maximum() -> float:
     return 100 * crossed[0].share(crossed[1].maximum_for(0.4156))
 
 
-WORKSPACE: tuple[Claim, ...] = (
+CLAIMS: tuple[Claim, ...] = (
     Claim(
         "fig3",
         "2.1",

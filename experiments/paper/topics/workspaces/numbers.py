@@ -10,8 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
-from scdpr_jax.robot.parameters import Robot, replace
+from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace
 from scdpr_jax.statics.four_cables import needed_tension
 from scdpr_jax.statics.workspace import Region, frame_share, geometric_region, static_workspace
 

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.paper.content import Content, Section, Table
+from experiments.page.table import Table
+from experiments.paper.content import Content, Section
 from experiments.paper.topics.workspaces.figure import draw_fig3, draw_fig6
 from experiments.paper.topics.workspaces.numbers import (
     HEIGHT,

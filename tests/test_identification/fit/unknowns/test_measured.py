@@ -11,18 +11,18 @@ from identification.campaign.types import default_sensors
 from identification.fit.problem import Problem
 from identification.fit.unknowns.measured import (
     MeasuredBreakaway,
+    MeasuredFit,
     MeasuredFrequency,
     MeasuredQuantity,
-    deviation,
-    with_measured,
 )
 from identification.fit.unknowns.measured_text import parse_measured
+from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import DEFAULT_FREE
 from scdpr_jax.engines.stepping import Inputs, simulate
 from scdpr_jax.linear.modes import BOTH_HELD, held_frequency, natural_frequencies
-from scdpr_jax.robot.dynamics import rest
-from scdpr_jax.robot.parameters import replace, value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import rest
 
 SETTING = "350 N"
 
@@ -63,13 +63,14 @@ def test_a_frequency_is_that_of_the_modes_and_scales_with_the_root_of_the_tensio
 
 def test_a_deviation_is_in_standard_errors():
     one = MeasuredQuantity(quantity="drive_damping", value=0.2, sigma=0.01)
-    assert deviation(one, replace(consistent(), {"drive_damping": 0.23})) == pytest.approx(3.0)
+    damped = replace(consistent(), {"drive_damping": 0.23})
+    assert MeasuredFit.of(one, damped).deviation == pytest.approx(3.0)
 
 
 def problem(measured):
     runs = (bare_run("torque_step"),)
     campaign = Campaign(name="bare", runs=runs, sensors=default_sensors(10000.0))
-    return Problem.of(campaign, consistent(), DEFAULT_FREE, frozenset(), measured=measured)
+    return Problem.of(campaign, FitOptions(measured=measured))
 
 
 def test_normal_equations_of_numbers_measured_otherwise_are_those_of_their_residuals():
@@ -95,7 +96,7 @@ def test_normal_equations_of_numbers_measured_otherwise_are_those_of_their_resid
     # The tension and the frequency, which is as its root, tell the same.
     assert np.linalg.matrix_rank(normal.matrix) == 3
     expected = sum(
-        deviation(one, set_up.prior) ** 2 for one in measured
+        MeasuredFit.of(one, set_up.prior).deviation ** 2 for one in measured
     )  # at the start, which is the prior robot
     assert normal.cost == pytest.approx(expected, rel=1e-9)
 
@@ -103,7 +104,7 @@ def test_normal_equations_of_numbers_measured_otherwise_are_those_of_their_resid
 def test_a_measured_quantity_is_free_and_stands_once():
     inertia = MeasuredQuantity(quantity="drive_inertia", value=0.01, sigma=0.001)
     mass = MeasuredQuantity(quantity="end_effector_mass", value=2.0, sigma=0.01)
-    assert with_measured(DEFAULT_FREE, [inertia, mass]) == (*DEFAULT_FREE, "end_effector_mass")
+    assert FitOptions(measured=[inertia, mass]).all_free == (*DEFAULT_FREE, "end_effector_mass")
 
 
 def test_a_setting_that_no_run_has_is_refused():

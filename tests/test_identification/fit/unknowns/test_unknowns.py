@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from short_runs import bare_run
 
+from identification.data.circumstances import NAMES
 from identification.fit.unknowns.unknowns import (
     DEFAULT_FREE,
     apply,
@@ -13,8 +14,8 @@ from identification.fit.unknowns.unknowns import (
     layout,
     start_values,
 )
-from scdpr_jax.robot.parameters import value
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import value
 
 
 def test_every_setting_has_its_own_pretension():
@@ -66,3 +67,20 @@ def test_an_unknown_name_is_refused():
 def test_a_name_given_twice_is_refused():
     with pytest.raises(ValueError, match="twice"):
         layout([bare_run("torque_step")], ("drive_inertia", "drive_inertia"))
+
+
+def test_every_unknown_has_a_place_of_its_own():
+    runs = [bare_run("torque_step", 200.0), bare_run("pseudo_impulse", 500.0)]
+    unknowns = layout(runs, DEFAULT_FREE)
+    shared = [unknowns.place(name, setting) for name, setting in unknowns.shared]
+    circumstances = [unknowns.circumstance(run, name) for run in (0, 1) for name in NAMES]
+    assert sorted([*shared, *circumstances]) == list(range(unknowns.size))
+
+
+def test_a_fit_of_some_runs_leaves_the_others_circumstances_alone():
+    runs = [bare_run("torque_step"), bare_run("pseudo_impulse")]
+    unknowns = layout(runs, DEFAULT_FREE, opened=DEFAULT_FREE[:2])
+    is_open = unknowns.open_to([1])
+    assert np.flatnonzero(is_open[: len(unknowns.shared)]).tolist() == [0, 1]
+    assert not np.any(is_open[unknowns.circumstances(0)])
+    np.testing.assert_array_equal(is_open[unknowns.circumstances(1)], unknowns.active[1])

@@ -1,0 +1,163 @@
+"""Models compared, what was measured otherwise, and what the logs can tell, as tables."""
+
+import math
+from collections.abc import Sequence
+
+from experiments.page.number_text import plain, readable_unit, rounded
+from experiments.page.table import Table
+from experiments.studies.findings.measured import MeasuredFit
+from identification.checks.posterior import Posterior
+from identification.checks.profile import Profile
+from identification.fit.unknowns.models import Model
+from identification.judge.identifiability import SENSORS, Identifiability
+from identification.result.estimate import Estimate
+
+
+def model_tables(estimate: Estimate) -> tuple[Table, ...]:
+    """The models that were compared.
+
+    Args:
+        estimate: The estimate.
+
+    Returns:
+        One table, or none where the usual model is enough.
+    """
+    if not estimate.models:
+        return ()
+    held_out = estimate.models[0].held_out is not None
+    header = (
+        "model",
+        "misfit",
+        "AIC",
+        "BIC",
+        *(("held-out path, rms [mm]",) if held_out else ()),
+    )
+    best = estimate.models[estimate.choice]
+    rows = tuple(
+        (
+            _label(model) + (" ← chosen" if model is best else ""),
+            plain(model.misfit, 4),
+            f"{model.aic - best.aic:+.0f}",
+            f"{model.bic - best.bic:+.0f}",
+            *((plain(1e3 * model.path_error, 3),) if held_out else ()),
+        )
+        for model in estimate.models
+    )
+    title = "Models compared (AIC and BIC over the chosen one's)"
+    return (Table(title, header, rows),)
+
+
+def _label(model: Model) -> str:
+    return "the usual model" if not model.added else f"and {model.added[-1]}"
+
+
+def measured_tables(fits: Sequence[MeasuredFit]) -> tuple[Table, ...]:
+    """What was measured otherwise, beside the fit.
+
+    Args:
+        fits: The numbers.
+
+    Returns:
+        One table, or none where nothing was.
+    """
+    rows = tuple(
+        (
+            fit.measured.name.replace("_", " "),
+            fit.measured.setting or "",
+            rounded(float(fit.measured.value), float(fit.measured.sigma)),
+            rounded(float(fit.measured.sigma), float(fit.measured.sigma)),
+            rounded(fit.value, float(fit.measured.sigma)),
+            "" if fit.measured.unit == "1" else readable_unit(fit.measured.unit),
+            plain(fit.deviation, 2),
+        )
+        for fit in fits
+    )
+    header = ("what", "at", "measured", "± σ", "fitted", "unit", "apart [σ]")
+    title = "Measured otherwise, and what the fit makes of it"
+    return (Table(title, header, rows),) if rows else ()
+
+
+def moved_table(identifiable: Identifiability) -> Table:
+    """Which quantity moves which sensor in which run.
+
+    Args:
+        identifiable: What the logs can tell.
+
+    Returns:
+        By how many standard deviations of the noise 1 % of each quantity moves them.
+    """
+    header = (
+        "run",
+        "sensor",
+        *(name.replace("_", " ") + (f" {s}" if s else "") for name, s in identifiable.names),
+    )
+    rows = []
+    for run, groups in zip(identifiable.runs, identifiable.moved, strict=True):
+        for sensor, moved in zip(SENSORS, groups, strict=True):
+            if moved.any():
+                rows.append((run, sensor, *map(_standard_deviations, moved.tolist())))
+    return Table(
+        "What 1 % of each quantity moves, in standard deviations of the noise, all samples "
+        "of a run together",
+        header,
+        tuple(rows),
+    )
+
+
+def _standard_deviations(moved: float) -> str:
+    """What is below a hundredth of the noise can't be seen, however far below."""
+    return "< 0.01" if 0 < moved < 0.01 else plain(moved, 2)
+
+
+def profile_table(profiles: Sequence[Profile]) -> Table:
+    """How the misfit rises along each quantity.
+
+    Args:
+        profiles: The profiles.
+
+    Returns:
+        A row for each quantity: where the misfit passes the threshold on both sides.
+    """
+    rows = tuple(
+        (
+            one.name,
+            one.setting or "",
+            one.label,
+            *("none" if math.isinf(end) else plain(end, 6) for end in one.ends),
+        )
+        for one in profiles
+    )
+    return Table("Profile likelihood", ("quantity", "setting", "is", "from", "to"), rows)
+
+
+def posterior_table(posterior: Posterior) -> Table:
+    """What the logs leave possible, by sampling.
+
+    Args:
+        posterior: The draws.
+
+    Returns:
+        A row for each quantity: its mean, spread and interval, and how far the chains agree.
+    """
+    rows = tuple(
+        (
+            name,
+            setting or "",
+            rounded(mean, spread),
+            rounded(spread, spread),
+            *(rounded(end, spread) for end in ends),
+            f"{r_hat:.3f}",
+            f"{effective:.0f}",
+        )
+        for (name, setting), mean, spread, ends, r_hat, effective in zip(
+            posterior.names,
+            posterior.mean.tolist(),
+            posterior.sigma.tolist(),
+            posterior.interval().tolist(),
+            posterior.r_hat.tolist(),
+            posterior.effective.tolist(),
+            strict=True,
+        )
+    )
+    header = ("quantity", "setting", "mean", "± σ", "95 % from", "to", "r-hat", "draws")
+    return Table("Posterior (draws: how many independent ones)", header, rows)

@@ -1,0 +1,96 @@
+"""The files of a calibration and of a tuning, each by its name."""
+
+import dataclasses
+import pathlib
+
+from experiments.reports.report import write_report
+from experiments.studies.findings import Findings
+from identification.knocks.frequency_map import write_frequencies
+from identification.result.parameters_file import write_parameters
+from tuning.export import write_exports
+from tuning.result.document import write_tuning
+from tuning.result.tuning import Tuning
+
+
+@dataclasses.dataclass(frozen=True)
+class TuningFiles:
+    """Where a tuning was written."""
+
+    tuning: pathlib.Path
+    """The tuning, `tuning.json`."""
+    exports: tuple[pathlib.Path, ...]
+    """The same as other programs run it."""
+
+    @property
+    def paths(self) -> tuple[pathlib.Path, ...]:
+        """All of them, `tuning.json` first."""
+        return (self.tuning, *self.exports)
+
+
+@dataclasses.dataclass(frozen=True)
+class CalibrationFiles:
+    """Where a calibration was written."""
+
+    report: pathlib.Path
+    """The report, `report.html`."""
+    parameters: pathlib.Path
+    """The estimate, `parameters.json`."""
+    frequencies: pathlib.Path | None
+    """Natural frequencies, `frequencies.csv`; None if no knock gives one."""
+    tuning: TuningFiles
+    """Gains and shapers."""
+
+    @property
+    def paths(self) -> tuple[pathlib.Path, ...]:
+        """All of them, the report first."""
+        frequencies = () if self.frequencies is None else (self.frequencies,)
+        return (self.report, self.parameters, *frequencies, *self.tuning.paths)
+
+
+def write_calibration(
+    findings: Findings, out: pathlib.Path, *, truth: dict[str, float] | None = None
+) -> CalibrationFiles:
+    """Write everything that a calibration gives, each file whole or not at all.
+
+    Args:
+        findings: What it comes to, gains and shapers among it.
+        out: The folder.
+        truth: True values by name, where they are known.
+
+    Returns:
+        The files.
+    """
+    mapped = findings.frequencies is not None
+    parameters = out / "parameters.json"
+    write_parameters(parameters, findings.estimate)
+    if mapped:
+        write_frequencies(findings.frequencies, out / "frequencies.csv")
+    tuning = write_tuned(out, findings.tuning.tuning)
+    report = out / "report.html"
+    write_report(
+        report,
+        findings,
+        title=f"Calibration of {findings.campaign.name}",
+        truth=truth,
+    )
+    return CalibrationFiles(
+        report, parameters, out / "frequencies.csv" if mapped else None, tuning
+    )
+
+
+def write_tuned(out: pathlib.Path, tuning: Tuning) -> TuningFiles:
+    """Write `tuning.json`, and beside it the tuning as other programs run it.
+
+    Args:
+        out: The folder; the other programs' files go into its `export`.
+        tuning: The tuning.
+
+    Returns:
+        The files.
+
+    Raises:
+        ValueError: If the tuning has no fitted robot, or no shaper.
+    """
+    document = out / "tuning.json"
+    write_tuning(document, tuning)
+    return TuningFiles(document, tuple(write_exports(out / "export", tuning)))

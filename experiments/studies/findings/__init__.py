@@ -1,0 +1,7 @@
+"""What a calibration comes to, in numbers and in words, each computed once.
+
+Reports, the terminal and files print these; none of them fits or judges anything itself.
+"""
+
+from experiments.studies.findings.findings import Findings as Findings
+from experiments.studies.findings.findings import findings as findings

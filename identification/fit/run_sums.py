@@ -1,0 +1,301 @@
+"""What each run adds to the normal equations: residuals, forward-mode Jacobians, their sums.
+
+A run's Jacobian has thousands of rows and some ten columns, one for each free quantity and for
+each of the run's circumstances: forward mode makes it along the simulation, without keeping the
+simulation, and only its sums are carried out. Reverse mode would keep every step of every
+contact. Runs are simulated together by one compiled function.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from identification.axis.motion import AxisParameters, axis_positions
+from identification.data.circumstances import MOVING, Circumstances
+from identification.data.record import MotorRecord, Record
+from identification.fit.levenberg_marquardt import Normal
+from identification.fit.misfit import channel_misfit
+from identification.fit.residuals import (
+    Motion,
+    Residuals,
+    encoder_residuals,
+    residuals,
+    run_motion,
+)
+from identification.fit.unknowns.unknowns import Unknowns, apply
+from scdpr_jax.robot.drive import motor_torque
+from scdpr_jax.robot.parameters import Drive, Robot
+
+BLOCKS = 40
+"""Stretches of time into which a run's score is summed, for standard errors."""
+
+
+class RunSums(NamedTuple):
+    """What one run adds to the normal equations, see `identification.fit.misfit`."""
+
+    cost: Float[Array, " channels"]
+    """Misfit of each channel; without the cable only the encoders have one."""
+    weight: Float[Array, " channels"]
+    """How much each channel counts, 1 while its residuals are noise."""
+    information: Float[Array, "channels n n"]
+    """Jacobian transposed times Jacobian of each channel, at its full weight."""
+    gradient: Float[Array, " n"]
+    """Jacobian transposed times residuals, with what is known before."""
+    scores: Float[Array, "blocks n"]
+    """The gradient's parts from `BLOCKS` stretches of time."""
+    prior_cost: Float[Array, ""]
+    """Misfit of what is known of the run's circumstances before."""
+    prior_information: Float[Array, "n n"]
+    """Information of that."""
+    residuals: Residuals | Float[Array, "rows 2"]
+    """The residuals themselves."""
+
+    @property
+    def total(self) -> float:
+        """The misfit of everything."""
+        return float(self.cost.sum() + self.prior_cost)
+
+    @property
+    def matrix(self) -> Float[Array | np.ndarray, "n n"]:
+        """The Gauss-Newton matrix."""
+        channels = (self.weight[:, None, None] * self.information).sum(axis=0)
+        return channels + self.prior_information
+
+
+def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
+    """Angles of the bare drives through a run.
+
+    Args:
+        drive: The drive; its dry friction is exact here.
+        record: The run.
+
+    Returns:
+        Angles from the start [rad].
+    """
+    torque = motor_torque(drive, record.voltage)
+
+    def turn(
+        torque: Float[Array, " intervals"], friction: Float[Array, ""]
+    ) -> Float[Array, " rows"]:
+        axis = AxisParameters(drive.inertia, drive.damping, friction, 0.0)
+        start = jnp.zeros_like(torque[0])
+        return axis_positions(axis, torque, steps=record.duration, start=start)
+
+    return jax.vmap(turn, in_axes=(1, 0), out_axes=1)(torque, drive.frictions)
+
+
+def motor_residuals(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
+    """Measured minus simulated angles of the bare drives, over the noise.
+
+    Args:
+        drive: The drive.
+        record: The run.
+
+    Returns:
+        Residuals; the encoders' arbitrary zero is taken out [1].
+    """
+    return encoder_residuals(record.angle - motor_angles(drive, record), record.weight)
+
+
+def run_residuals(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: Record
+) -> Residuals:
+    """Residuals of one run at a fit's unknowns.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+        record: The run.
+
+    Returns:
+        The residuals.
+    """
+    motion, circumstances = run_motion(robot, free, unknown, record)
+    return residuals(motion, circumstances, record)
+
+
+@eqx.filter_jit
+def run_sums(
+    robot: Robot,
+    free: tuple[str, ...],
+    unknowns: Float[Array, "lanes n"],
+    run: Int[Array, " lanes"],
+    records: Record,
+) -> RunSums:
+    """Sums of runs with the cable on.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each lane its run's free quantities and its circumstances.
+        run: Which of the runs each lane is.
+        records: The runs.
+
+    Returns:
+        Each lane's sums.
+    """
+
+    def sums(unknown: Float[Array, " n"], number: Int[Array, ""]) -> RunSums:
+        record = jax.tree.map(lambda leaf: leaf[number], records)
+        residual, jacobian = residuals_and_jacobian(robot, free, unknown, record)
+        end = jnp.sum(record.inputs.duration)
+        when = jnp.concatenate([jnp.zeros(1), jnp.cumsum(record.inputs.duration)])
+
+        def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
+            return jnp.clip(time / end * BLOCKS, 0.0, BLOCKS - 1.0).astype(int)
+
+        rows = jnp.sum(record.angle_share, axis=0)
+        frames = jnp.sum(record.frame_weight > 0, axis=0)
+        encoders = _channel_sums(residual.angle, jacobian.angle, rows, stretch(when), end)
+        camera = _channel_sums(
+            residual.frame, jacobian.frame, frames, stretch(record.frame_time), end
+        )
+        pull = residual.prior @ jacobian.prior
+        return RunSums(
+            *(jnp.concatenate(pair) for pair in zip(encoders[:3], camera[:3], strict=True)),
+            gradient=jnp.sum(encoders.scores + camera.scores, axis=0) + pull,
+            scores=(encoders.scores + camera.scores).at[0].add(pull),
+            prior_cost=jnp.sum(jnp.square(residual.prior)),
+            prior_information=jacobian.prior.T @ jacobian.prior,
+            residuals=residual,
+        )
+
+    return jax.vmap(sums)(unknowns, run)
+
+
+def residuals_and_jacobian(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: Record
+) -> tuple[Residuals, Residuals]:
+    """Residuals of one run, and their derivatives.
+
+    The camera's clock moves no robot: its derivatives need no tangent of the motion.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+        record: The run.
+
+    Returns:
+        The residuals, and the same with a last axis for their derivatives.
+    """
+    count = len(free)
+    moving, clock = jnp.split(unknown, [count + MOVING.stop])
+
+    def of_moving(x: Float[Array, " moving"]) -> tuple[Residuals, tuple[Residuals, Motion]]:
+        motion, circumstances = run_motion(robot, free, jnp.concatenate([x, clock]), record)
+        residual = residuals(motion, circumstances, record)
+        return residual, (residual, motion)
+
+    by_moving, (residual, motion) = jax.jacfwd(of_moving, has_aux=True)(moving)
+
+    def of_clock(x: Float[Array, " clock"]) -> Residuals:
+        circumstances = Circumstances.of(jnp.concatenate([moving[count:], x]))
+        return residuals(motion, circumstances, record)
+
+    by_clock = jax.jacfwd(of_clock)(clock)
+    jacobian = jax.tree.map(lambda *of: jnp.concatenate(of, axis=-1), by_moving, by_clock)
+    return residual, jacobian
+
+
+@eqx.filter_jit
+def motor_sums(
+    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: MotorRecord
+) -> RunSums:
+    """Sums of all steps of the bare drives.
+
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each run its free quantities.
+        records: The runs.
+
+    Returns:
+        Each run's sums.
+    """
+
+    def sums(unknown: Float[Array, " n"], record: MotorRecord) -> RunSums:
+        def both(
+            x: Float[Array, " n"],
+        ) -> tuple[Float[Array, "rows 2"], Float[Array, "rows 2"]]:
+            residual = motor_residuals(apply(robot, free, x).drive, record)
+            return residual, residual
+
+        jacobian, residual = jax.jacfwd(both, has_aux=True)(unknown)
+        block = jnp.arange(residual.shape[0]) * BLOCKS // residual.shape[0]
+        count, duration = jnp.sum(record.share, axis=0), jnp.sum(record.duration)
+        channels = _channel_sums(residual, jacobian, count, block, duration)
+        return RunSums(
+            *channels[:3],
+            gradient=jnp.sum(channels.scores, axis=0),
+            scores=channels.scores,
+            prior_cost=jnp.zeros(()),
+            prior_information=jnp.zeros_like(channels.information[0]),
+            residuals=residual,
+        )
+
+    return jax.vmap(sums)(unknowns, records)
+
+
+class _ChannelSums(NamedTuple):
+    """Sums over the channels of one stream, as in `RunSums`."""
+
+    cost: Float[Array, " channels"]
+    weight: Float[Array, " channels"]
+    information: Float[Array, "channels n n"]
+    scores: Float[Array, "blocks n"]
+
+
+def _channel_sums(
+    residual: Float[Array, "samples channels"],
+    jacobian: Float[Array, "samples channels n"],
+    count: Float[Array, " channels"] | Int[Array, " channels"],
+    block: Int[Array, " samples"],
+    duration: Float[Array, ""],
+) -> _ChannelSums:
+    misfit = channel_misfit(residual, count, duration)
+    pull = jnp.sum((misfit.weight[None] * residual)[..., None] * jacobian, axis=1)
+    return _ChannelSums(
+        cost=misfit.cost,
+        weight=misfit.weight,
+        information=jnp.einsum("scn,scm->cnm", jacobian, jacobian),
+        scores=jax.ops.segment_sum(pull, block, num_segments=BLOCKS),
+    )
+
+
+def assemble(
+    unknowns: Unknowns, sums: Mapping[int, RunSums], *, shared: bool
+) -> tuple[Normal, Float[np.ndarray, "runs blocks size"]]:
+    """The normal equations of several runs in the fit's vector.
+
+    Args:
+        unknowns: The layout.
+        sums: Sums of each run by its number in the layout, with or without the
+            circumstances' columns, as NumPy arrays.
+        shared: Whether the runs may say anything about the shared quantities, or about
+            their own circumstances alone.
+
+    Returns:
+        Normal equations and scores over all unknowns.
+    """
+    size = unknowns.size
+    matrix, gradient = np.zeros((size, size)), np.zeros(size)
+    scores = np.zeros((len(sums), BLOCKS, size))
+    for row, (run, of_run) in enumerate(sums.items()):
+        quantities = unknowns.opened[unknowns.local[run]] & shared
+        is_open = np.concatenate([quantities, unknowns.active[run]])
+        columns = np.flatnonzero(is_open[: of_run.gradient.size])
+        at = unknowns.of_run(run)[columns]
+        # Quantities that share an unknown add up in it.
+        np.add.at(matrix, np.ix_(at, at), of_run.matrix[np.ix_(columns, columns)])
+        np.add.at(gradient, at, of_run.gradient[columns])
+        for column, place in zip(columns, at, strict=True):
+            scores[row][:, place] += of_run.scores[:, column]
+    cost = sum((of_run.total for of_run in sums.values()), 0.0)
+    return Normal(cost, gradient, matrix), scores

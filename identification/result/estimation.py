@@ -1,0 +1,227 @@
+"""Parameters of a robot from a campaign of logged runs, all runs at once.
+
+A fit goes from coarse to fine: the scan's valleys are followed down on a few runs, the best of
+them with all runs on the coarser grid, and its end is put right by deferred correction. What a
+run that is held out says is asked last, of its circumstances alone. Every run at once and a
+single descent would be simpler, and end in the wrong valley of the vibration's phase.
+"""
+
+import concurrent.futures
+import dataclasses
+from collections.abc import Callable, Sequence
+
+import jax
+import numpy as np
+from jaxtyping import Float
+
+from identification.campaign.types import Campaign
+from identification.data.circumstances import NAMES, Circumstances
+from identification.fit.comparison import comparisons
+from identification.fit.correction import corrected
+from identification.fit.levenberg_marquardt import Minimum
+from identification.fit.problem import Problem
+from identification.fit.starts import Valley, starts
+from identification.fit.unknowns.options import FitOptions
+from identification.fit.unknowns.unknowns import FOLLOWS, encode
+from identification.judge.identifiability import identifiability
+from identification.judge.influence import influence, run_normal
+from identification.result.estimate import Estimate, Fit
+from identification.result.fitted_robot import Residual, fitted_robot
+
+CORRECTIONS = 2
+"""How often the coarser grid's own error is taken off, see `identification.fit.correction`."""
+
+Progress = Callable[[str, float], None]
+"""Told what is being done and which share of it is done, 0 to 1."""
+
+
+def estimate(
+    campaign: Campaign,
+    options: FitOptions | None = None,
+    *,
+    progress: Progress = lambda doing, share: None,
+) -> Estimate:
+    """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
+
+    Start poses, the forces of knocks and unknown clocks are estimated with them. Several
+    starts, the valleys of a scan over pretension and friction, are followed down on a few
+    runs; the best of them goes on with all.
+
+    Args:
+        campaign: The campaign.
+        options: What the fit is asked for; None for what suits most campaigns.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        ValueError: If float64 is off, if a name is unknown, if a run can't be used, or if
+            something was measured at a setting that no run has.
+        FloatingPointError: If a run's simulation isn't finite at the solution.
+    """
+    require_float64()
+    problem = Problem.of(campaign, options or FitOptions())
+    with concurrent.futures.ThreadPoolExecutor(1) as aside:
+        # Compiling leaves the interpreter free: the rest comes along meanwhile.
+        aside.submit(problem.compile)
+        begun = starts(problem, lambda doing, share: progress(doing, 0.3 * share))
+    return solve(
+        problem,
+        begun.points,
+        valleys=begun.valleys,
+        progress=lambda doing, share: progress(doing, 0.3 + 0.7 * share),
+    )
+
+
+def solve(
+    problem: Problem,
+    points: Sequence[Float[np.ndarray, " n"]],
+    *,
+    valleys: tuple[Valley, ...] = (),
+    progress: Progress = lambda doing, share: None,
+) -> Estimate:
+    """The estimate that some starts lead to.
+
+    Args:
+        problem: The problem.
+        points: Vectors of the fit to begin at.
+        valleys: The minima of the scan that they come from.
+        progress: Told what is being done and which share of it is done.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        FloatingPointError: If a run's simulation isn't finite at the solution.
+    """
+    ends = []
+    for number, start in enumerate(points):
+        report = _report(progress, f"start {number + 1} of {len(points)}", 0.0, 0.6)
+        ends.append(problem.minimise(start, iterations=15, decrement=1.0, report=report))
+    point, done = min(ends, key=lambda end: end.normal.cost).point, 0
+    for number in range(CORRECTIONS):
+        # What the coarser grid errs by hardly depends on the point: twice is enough.
+        progress("all runs at the logs' own rate", 0.6 + 0.15 * number)
+        problem = corrected(problem, point)
+        minimum = problem.minimise(point, iterations=20, decrement=1e-2)
+        point, done = minimum.point, done + minimum.iterations
+    if problem.held_out:
+        progress("runs held out", 0.9)
+        point = problem.minimise(point, iterations=12, decrement=1e-2, held_out=True).point
+    progress("standard errors", 1.0)
+    count = problem.measurements()
+    fit = Fit(
+        starts=tuple(end.normal.cost / count for end in ends),
+        valleys=valleys,
+        iterations=done,
+        ended=minimum.ended,
+        misfit=minimum.normal.cost / count,
+        measurements=count,
+    )
+    return _estimate(problem, minimum, point, fit)
+
+
+def _estimate(
+    problem: Problem, minimum: Minimum, point: Float[np.ndarray, " n"], fit: Fit
+) -> Estimate:
+    """What a minimum says, and the point beside it at which the runs held out are predicted."""
+    (sums,) = problem.sums([minimum.point])
+    runs = comparisons(problem, point)
+    fitted = dataclasses.replace(
+        fitted_robot(problem, minimum, sums),
+        residuals=tuple(
+            Residual(channel.name, channel.rms, channel.sigma, channel.is_noise)
+            for run in runs
+            for channel in run.channels
+        ),
+    )
+    opened = np.flatnonzero(problem.unknowns.opened)
+    free = dict.fromkeys(problem.unknowns.shared[k][0] for k in opened)
+    return Estimate(
+        fitted=fitted,
+        circumstances=_circumstances(problem, point),
+        comparisons=runs,
+        fit=fit,
+        identifiability=identifiability(problem, minimum.point, sums),
+        influence=influence(
+            run_normal(problem, minimum.point, sums),
+            fitted.estimated,
+            encoded=minimum.point[opened],
+        ),
+        options=dataclasses.replace(problem.options, free=tuple(free)),
+    )
+
+
+def vector(problem: Problem, estimate: Estimate) -> Float[np.ndarray, " n"]:
+    """An estimate as a vector of a problem of the same runs.
+
+    Args:
+        problem: The problem; it may free more quantities than the estimate did.
+        estimate: The estimate.
+
+    Returns:
+        Vector of the fit.
+    """
+    point, unknowns = problem.at_rest(), problem.unknowns
+    estimated = {(p.name, p.setting): p.value for p in estimate.parameters}
+    for index, (name, setting) in enumerate(unknowns.shared):
+        leader = (FOLLOWS.get(name, name), setting)
+        number = estimated.get((name, setting), estimated.get(leader))
+        if number is not None:
+            point[index] = encode(name, number)
+    logs = problem.logs
+    for run, clock in zip(logs.cabled, logs.clocks, strict=True):
+        circumstances = estimate.circumstances[logs.runs[run].name]
+        point[unknowns.circumstances(run)] = circumstances.vector
+        # The fit holds what is beyond what was known of the clock before.
+        point[unknowns.circumstance(run, "clock_offset")] -= clock.offset
+    return point
+
+
+def solved(campaign: Campaign, estimate: Estimate) -> tuple[Problem, Float[np.ndarray, " n"]]:
+    """The problem that an estimate solved, and where.
+
+    Args:
+        campaign: The campaign that the estimate is of.
+        estimate: The estimate.
+
+    Returns:
+        The problem, corrected about the estimate, and the estimate as its vector.
+    """
+    options = dataclasses.replace(estimate.options, robot=estimate.robot)
+    problem = Problem.of(campaign, options)
+    point = vector(problem, estimate)
+    return corrected(problem, point), point
+
+
+def _report(
+    progress: Progress, doing: str, begun: float, share: float
+) -> Callable[[int, float], None]:
+    """Progress of a minimisation, which halves what is left every five evaluations."""
+    return lambda done, cost: progress(doing, begun + share * (1 - 0.5 ** (done / 5)))
+
+
+def _circumstances(
+    problem: Problem, point: Float[np.ndarray, " n"]
+) -> dict[str, Circumstances]:
+    """What was estimated of each run; clocks with what was known of them before."""
+    logs, estimated = problem.logs, {}
+    for run, clock in zip(logs.cabled, logs.clocks, strict=True):
+        vector = point[problem.unknowns.circumstances(run)]
+        vector[NAMES.index("clock_offset")] += clock.offset
+        estimated[logs.runs[run].name] = Circumstances.of(vector)
+    return estimated
+
+
+def require_float64() -> None:
+    """Refuse to fit in single precision.
+
+    Raises:
+        ValueError: If float64 is off.
+    """
+    if not jax.config.jax_enable_x64:
+        raise ValueError(
+            "`estimate` needs float64, got float32: rounding would hide what the encoders "
+            'resolve. Call `jax.config.update("jax_enable_x64", True)` first.'
+        )

@@ -1,0 +1,315 @@
+"""`parameters.json`: what a fit says about a robot, written and read.
+
+The file is for people and for other programs, so its format is pinned: numbers are SI, and
+what isn't finite is null. Reading gives the robot with its errors back, and not the runs.
+"""
+
+import dataclasses
+import json
+import math
+import pathlib
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+import pydantic
+from jaxtyping import Float
+
+from identification.fit.comparison import Channel, Comparison
+from identification.judge.influence import Influence
+from identification.judge.likelihood import Posterior, Profile
+from identification.judge.uncertainty import ParameterEstimate
+from identification.judge.validation import ChannelValidation, validate
+from identification.result.estimate import Estimate
+from identification.result.fitted_robot import FittedRobot, Residual
+from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.json_file import read_json
+from scdpr_jax.robot.parameters import exact
+from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace
+
+
+def write_parameters(
+    path: pathlib.Path,
+    estimate: Estimate,
+    profiles: Sequence[Profile] = (),
+    posterior: Posterior | None = None,
+) -> None:
+    """Write an estimate as `parameters.json`, whole or not at all.
+
+    Args:
+        path: The file, replaced if it exists.
+        estimate: The estimate.
+        profiles: Its profiles, where they were traced.
+        posterior: Draws from what the logs leave possible, where they were made.
+    """
+    document = {
+        "format": 1,
+        "parameters": [_parameter(p) for p in estimate.parameters],
+        "correlation": {
+            "names": [p.label for p in estimate.fitted.estimated],
+            "matrix": estimate.correlation.tolist(),
+        },
+        "runs": [_run(estimate, run) for run in estimate.comparisons],
+        "residuals": [
+            _residual(run.name, channel, validation)
+            for run in estimate.comparisons
+            for channel, validation in zip(run.channels, validate(run), strict=True)
+        ],
+        "profiles": [_profile(profile) for profile in profiles],
+        "posterior": [] if posterior is None else _posterior(posterior),
+        "measured_otherwise": _measured(estimate),
+        "models": [
+            dataclasses.asdict(model) | {"chosen": number == estimate.choice}
+            for number, model in enumerate(estimate.models)
+        ],
+        "fit": _fit(estimate),
+    }
+    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def _parameter(parameter: ParameterEstimate) -> dict[str, Any]:
+    return {
+        "name": parameter.name,
+        "setting": parameter.setting,
+        "value": parameter.value,
+        "unit": parameter.unit,
+        "sigma": finite(parameter.sigma),
+        "interval95": [finite(end) for end in parameter.interval95],
+        "status": parameter.status,
+    }
+
+
+def _run(estimate: Estimate, run: Comparison) -> dict[str, Any]:
+    """A run with what was estimated of it by itself; null for one without the cable."""
+    circumstances = estimate.circumstances.get(run.name)
+    names = {
+        "clock_offset_s": "clock_offset",
+        "clock_drift": "clock_drift",
+        "knock_N": "knock",
+        "knock_arm_m": "knock_arm",
+    }
+    return {
+        "name": run.name,
+        "kind": run.kind,
+        "fitted": not run.held_out,
+        **{
+            key: None if circumstances is None else float(getattr(circumstances, name))
+            for key, name in names.items()
+        },
+    }
+
+
+def _residual(run: str, channel: Channel, validation: ChannelValidation) -> dict[str, Any]:
+    return {
+        "run": run,
+        "channel": channel.name,
+        "unit": channel.unit,
+        "rms": channel.rms,
+        "noise_sigma": channel.sigma,
+        "chi_square": channel.chi_square,
+        "is_noise": channel.is_noise,
+        "worst_at_s": channel.worst_time,
+        "fit": finite(validation.fit),
+        "whiteness_p": finite(validation.whiteness),
+        "independence_p": finite(validation.independence),
+        "verdict": validation.verdict,
+    }
+
+
+def _profile(profile: Profile) -> dict[str, Any]:
+    return {
+        "name": profile.name,
+        "setting": profile.setting,
+        "label": profile.label,
+        "interval95": [finite(end) for end in profile.ends],
+        "values": profile.values.tolist(),
+        "misfit_rise": profile.rise.tolist(),
+        "threshold": profile.threshold,
+    }
+
+
+def _posterior(posterior: Posterior) -> list[dict[str, Any]]:
+    mean, sigma, interval = posterior.mean, posterior.sigma, posterior.interval()
+    return [
+        {
+            "name": name,
+            "setting": setting,
+            "mean": float(mean[k]),
+            "sigma": float(sigma[k]),
+            "interval95": interval[k].tolist(),
+            "r_hat": float(posterior.r_hat[k]),
+            "effective_draws": float(posterior.effective[k]),
+        }
+        for k, (name, setting) in enumerate(posterior.names)
+    ]
+
+
+def _measured(estimate: Estimate) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": fit.measured.name,
+            "setting": fit.measured.setting,
+            "value": float(fit.measured.value),
+            "sigma": float(fit.measured.sigma),
+            "unit": fit.measured.unit,
+            "fitted": fit.value,
+        }
+        for fit in estimate.measured_fits
+    ]
+
+
+def _fit(estimate: Estimate) -> dict[str, Any]:
+    """How the fit came about, and which run moves what."""
+    fit = estimate.fit
+    return {
+        "ended": fit.ended,
+        "iterations": fit.iterations,
+        "misfit": fit.misfit,
+        "measurements": fit.measurements,
+        "starts": list(fit.starts),
+        "minima": [dataclasses.asdict(valley) for valley in fit.valleys],
+        "influence": _influence(estimate.influence),
+    }
+
+
+def _influence(influence: Influence) -> dict[str, Any]:
+    """What leaving out each run does, and the bootstrap over runs."""
+
+    def rows(table: Float[np.ndarray, "runs quantities"]) -> list[list[float | None]]:
+        return [[finite(float(number)) for number in row] for row in table]
+
+    return {
+        "quantities": [{"name": name, "setting": setting} for name, setting in influence.names],
+        "runs": list(influence.runs),
+        "refitted": influence.refitted,
+        "value_without_run": rows(influence.without),
+        "moved_standard_errors": rows(influence.moved),
+        "moved_by_noise_standard_errors": rows(influence.by_noise),
+        "bootstrap": {
+            "interval95": [interval and list(interval) for interval in influence.interval95],
+            "runs_that_tell": influence.telling.tolist(),
+            "resamples": influence.resamples,
+            "seed": influence.seed,
+        },
+    }
+
+
+def finite(number: float) -> float | None:
+    """A number that JSON can hold; null for one that isn't finite.
+
+    Args:
+        number: Any number.
+
+    Returns:
+        Itself, or None.
+    """
+    return number if math.isfinite(number) else None
+
+
+class _Parameter(pydantic.BaseModel):
+    """A row of `parameters.json`, as far as a robot is built from it."""
+
+    name: str
+    setting: str | None
+    value: pydantic.FiniteFloat
+    unit: str
+    sigma: pydantic.FiniteFloat | None = None
+    interval95: tuple[pydantic.FiniteFloat | None, pydantic.FiniteFloat | None] = (None, None)
+    status: Literal["identified", "weak", "unidentifiable", "at_bound", "fixed"]
+
+    def estimate(self) -> ParameterEstimate:
+        """The row as a fit has it: what isn't known is infinite."""
+        low, high = self.interval95
+        return ParameterEstimate(
+            name=self.name,
+            setting=self.setting,
+            value=self.value,
+            unit=self.unit,
+            sigma=math.inf if self.sigma is None else self.sigma,
+            interval95=(-math.inf if low is None else low, math.inf if high is None else high),
+            status=self.status,
+        )
+
+
+class _Correlation(pydantic.BaseModel):
+    """How the fitted parameters' errors hang together."""
+
+    names: list[str]
+    matrix: list[list[pydantic.FiniteFloat]]
+
+
+class _Residual(pydantic.BaseModel):
+    """What a fit leaves of a channel of a run."""
+
+    channel: str
+    rms: pydantic.FiniteFloat
+    noise_sigma: pydantic.FiniteFloat
+    is_noise: bool
+
+
+class ParametersDocument(pydantic.BaseModel):
+    """`parameters.json`, as far as a robot is built from it."""
+
+    format: Literal[1]
+    parameters: list[_Parameter]
+    correlation: _Correlation | None = None
+    residuals: list[_Residual] = []
+
+    def fitted_robot(self) -> FittedRobot:
+        """The robot, with exact friction.
+
+        Returns:
+            The robot with its parameters and their errors.
+
+        Raises:
+            ValueError: If a quantity isn't in its SI unit.
+        """
+        units = {quantity.name: quantity.unit for quantity in EVERY_QUANTITY}
+        values: dict[str, float] = {}
+        for row in self.parameters:
+            if row.name not in units:
+                continue
+            if row.unit != units[row.name]:
+                raise ValueError(
+                    f"the unit of {row.name!r} is wrong, got {row.unit!r}, expected "
+                    f"{units[row.name]!r}. Give the value in SI units."
+                )
+            values.setdefault(row.name, row.value)
+        return FittedRobot(
+            robot=exact(replace(consistent(), values)),
+            parameters=tuple(row.estimate() for row in self.parameters),
+            correlation=self._correlation(),
+            residuals=tuple(Residual(**row.model_dump()) for row in self.residuals),
+        )
+
+    def _correlation(self) -> Float[np.ndarray, "n n"] | None:
+        """Correlation of the estimated parameters in their order; None where it isn't whole."""
+        rows = [row.estimate() for row in self.parameters if row.status != "fixed"]
+        labels = [row.label for row in rows]
+        if self.correlation is None or sorted(self.correlation.names) != sorted(labels):
+            return None
+        at = [self.correlation.names.index(label) for label in labels]
+        matrix = np.array(self.correlation.matrix).reshape(len(at), len(at))
+        return matrix[np.ix_(at, at)]
+
+
+def read_parameters(path: pathlib.Path) -> FittedRobot:
+    """Read a robot from `parameters.json`.
+
+    Args:
+        path: The file.
+
+    Returns:
+        The robot, with exact friction.
+
+    Raises:
+        ValueError: If the file isn't what `scdpr identify` writes; says where.
+    """
+    document = read_json(
+        path, ParametersDocument, expected="a parameters.json", verb="identify"
+    )
+    try:
+        return document.fitted_robot()
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None

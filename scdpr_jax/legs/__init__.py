@@ -1,0 +1,1 @@
+"""A leg under a command law, what came of it, and robots as they might be."""

@@ -1,0 +1,115 @@
+r"""The robot's coordinates $q = [x_e, \delta_e, q_3, q_4, y_e]$, their velocities and names.
+
+The loop is clamped below the end-effector and inextensible, so that the driver pulleys follow
+the lower carriage and the height: five coordinates are enough, and no motor angle is among
+them. Every array of them has its coordinates along the last axis, in this order.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from scdpr_jax.robot.fields import real, si
+from scdpr_jax.robot.parameters import Robot
+
+X, TILT, LOWER, UPPER, HEIGHT = range(5)
+r"""Places of $x_e$, $\delta_e$, $q_3$, $q_4$ and $y_e$ along the last axis."""
+
+Coordinates = Float[Array | np.ndarray, "*shape 5"]
+"""Positions or velocities, the coordinates along the last axis [m, rad]."""
+Pair = Float[Array | np.ndarray, "*shape 2"]
+"""Two of them, likewise."""
+
+
+def pose(coordinates: Coordinates) -> Pair:
+    """The end-effector's $[x_e, y_e]$ of positions or velocities.
+
+    Args:
+        coordinates: Coordinates, or their velocities, along the last axis [m, rad].
+
+    Returns:
+        Both along the last axis [m].
+    """
+    return coordinates[..., X::HEIGHT]
+
+
+def carriages(coordinates: Coordinates) -> Pair:
+    """The carriages' $[q_3, q_4]$ of positions or velocities.
+
+    Args:
+        coordinates: Coordinates, or their velocities, along the last axis [m, rad].
+
+    Returns:
+        Both along the last axis [m].
+    """
+    return coordinates[..., LOWER:HEIGHT]
+
+
+def driven(coordinates: Coordinates) -> Pair:
+    """What the driver pulleys follow, $[q_3, y_e]$, of positions or velocities.
+
+    Args:
+        coordinates: Coordinates, or their velocities, along the last axis [m, rad].
+
+    Returns:
+        Both along the last axis [m].
+    """
+    return coordinates[..., LOWER :: HEIGHT - LOWER]
+
+
+class State(eqx.Module):
+    """Coordinates and velocities of the robot."""
+
+    position: Float[Array, "... 5"] = eqx.field(converter=real, metadata=si("m, rad", "q"))
+    r"""$[x_e, \delta_e, q_3, q_4, y_e]$ [m, rad, m, m, m]."""
+    velocity: Float[Array, "... 5"] = eqx.field(
+        converter=real, metadata=si("m/s, rad/s", r"\dot q")
+    )
+    """Its time derivative [m/s, rad/s, m/s, m/s, m/s]."""
+
+    @property
+    def pose(self) -> Float[Array, "... 2"]:
+        """The end-effector's place $[x_e, y_e]$ [m]."""
+        return pose(self.position)
+
+    @property
+    def tilt(self) -> Float[Array, "..."]:
+        r"""The end-effector's rotation $\delta_e$ [rad]."""
+        return self.position[..., TILT]
+
+    @property
+    def carriages(self) -> Float[Array, "... 2"]:
+        """The carriages' places $[q_3, q_4]$ [m]."""
+        return carriages(self.position)
+
+    @property
+    def driven(self) -> Float[Array, "... 2"]:
+        """What the driver pulleys follow, $[q_3, y_e]$ [m]."""
+        return driven(self.position)
+
+
+def rest(
+    robot: Robot,
+    lower: Float[Array, ""],
+    upper: Float[Array, ""],
+    height: Float[Array, ""],
+) -> State:
+    r"""The robot at rest with its carriages at given places.
+
+    The end-effector has no friction, so at rest it lies on the straight line between the
+    carriages: $\alpha = \beta = \gamma = \delta_e$. Friction holds the carriages while
+    $|\tan\gamma| \le \mu$.
+
+    Args:
+        robot: The robot.
+        lower: Place $q_3$ of the lower carriage [m].
+        upper: Place $q_4$ of the upper carriage [m].
+        height: Height $y_e$ of the end-effector [m].
+
+    Returns:
+        State at rest.
+    """
+    slope = (lower - upper) / robot.frame.height
+    position = jnp.stack([lower - slope * height, jnp.arctan(slope), lower, upper, height])
+    return State(position, jnp.zeros_like(position))

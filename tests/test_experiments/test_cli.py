@@ -1,0 +1,41 @@
+import pathlib
+
+import pytest
+
+import experiments
+from experiments.cli import VERBS, main
+from experiments.verbs.exit_status import BAD_INPUT, DONE
+
+README = (pathlib.Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+EVERY_VERB = tuple(verb for wing in VERBS.values() for verb in wing)
+every_verb = pytest.mark.parametrize("verb", EVERY_VERB)
+
+
+@every_verb
+def test_every_verb_tells_its_arguments(verb, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([verb, "--help"])
+    assert end.value.code in (0, None)
+    assert f"usage: scdpr {verb}" in capsys.readouterr().out
+
+
+@every_verb
+def test_the_readme_says_what_every_verb_writes(verb):
+    assert f"| `scdpr {verb}" in README
+
+
+def test_every_module_of_a_verb_is_a_verb():
+    folder = pathlib.Path(experiments.__file__).parent / "verbs"
+    modules = {path.stem.replace("_", "-") for path in folder.glob("*/[a-z]*.py")}
+    assert modules == set(EVERY_VERB)
+
+
+def test_the_help_names_every_verb(capsys):
+    assert main(["--help"]) == DONE
+    told = capsys.readouterr().out
+    assert all(f"\n  {verb} " in told for verb in EVERY_VERB)
+
+
+def test_of_a_misspelt_verb_the_nearest_is_told(capsys):
+    assert main(["calibrat"]) == BAD_INPUT
+    assert "Did you mean `scdpr calibrate`?" in capsys.readouterr().err

@@ -1,0 +1,177 @@
+"""`codesign.json`: the recommended design, the front, and what stands beside them."""
+
+import json
+import pathlib
+from typing import Any, Literal
+
+import jax.numpy as jnp
+import numpy as np
+import pydantic
+
+from scdpr_jax.command.controller import PD
+from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.json_file import read_json
+from tuning.codesign.recommendation import CoDesign
+from tuning.codesign.search import Designed
+from tuning.codesign.unknowns import Law
+from tuning.loop.worst_margins import WorstMargin
+
+
+def codesign_document(design: CoDesign) -> str:
+    """A co-design as the text of `codesign.json`.
+
+    Args:
+        design: The co-design.
+
+    Returns:
+        JSON text; SI units.
+    """
+    scope = design.scope
+    columns, rows = scope.grid
+    document = {
+        "format": 1,
+        **_designed(design.chosen),
+        "margins": {
+            "flexible": [_margin(margin) for margin in design.margins],
+            "flexible_with_eq_25": [_margin(margin) for margin in design.margins_before],
+        },
+        "front": [_designed(each) for each in design.front],
+        "compared": {
+            name: [_figures(each) for each in designs]
+            for name, designs in design.compared.items()
+        },
+        "held_out": {name: _figures(each) for name, each in design.held_out.items()},
+        "models": {
+            "columns": columns,
+            "rows": rows,
+            "settings": {"value": list(scope.settings), "unit": "N"},
+            "samples": scope.samples,
+            "seed": scope.seed,
+            "count": len(np.asarray(design.chosen.measures.residual_vibration)),
+        },
+    }
+    return json.dumps(document, indent=1, allow_nan=False) + "\n"
+
+
+def write_codesign(path: pathlib.Path, design: CoDesign) -> None:
+    """Write a co-design as `codesign.json`, whole or not at all.
+
+    Args:
+        path: The file, replaced if it exists.
+        design: The co-design.
+    """
+    write_whole(path, codesign_document(design))
+
+
+def read_law(path: pathlib.Path) -> Law:
+    """Read the recommended design from `codesign.json`, to be run or judged anew.
+
+    Args:
+        path: The file.
+
+    Returns:
+        The design; what it comes to isn't read.
+
+    Raises:
+        ValueError: If the file isn't what `scdpr codesign` writes; says where.
+    """
+    document = read_json(path, _Document, expected="a codesign.json", verb="codesign")
+    gains, shaper = document.controller, document.shaper
+    return Law(
+        PD(
+            gains.proportional_gain.value,
+            gains.derivative_gain.value,
+            gains.period.value,
+        ),
+        Shaper(shaper.times.value, shaper.amplitudes),
+        jnp.asarray(document.leg.bezier_control_points),
+        jnp.asarray(document.leg.duration.value),
+    )
+
+
+def _designed(design: Designed) -> dict[str, Any]:
+    law = design.law
+    return {
+        "controller": {
+            "proportional_gain": {
+                "value": float(law.controller.proportional_gain),
+                "unit": "V/rad",
+            },
+            "derivative_gain": {
+                "value": float(law.controller.derivative_gain),
+                "unit": "V s/rad",
+            },
+            "period": {"value": 1e-3, "unit": "s"},
+        },
+        "shaper": {
+            "times": {"value": np.asarray(law.shaper.times).tolist(), "unit": "s"},
+            "amplitudes": np.asarray(law.shaper.amplitudes).tolist(),
+        },
+        "leg": {
+            "duration": {"value": float(law.leg_time), "unit": "s"},
+            "bezier_control_points": np.asarray(law.profile).tolist(),
+        },
+        **_figures(design),
+    }
+
+
+def _figures(design: Designed) -> dict[str, Any]:
+    measures = design.measures
+    return {
+        "move_time": {"value": design.move_time, "unit": "s"},
+        "vibration": {
+            "worst_tenth": design.vibration,
+            "worst": float(np.max(measures.residual_vibration)),
+            "mean": float(np.mean(measures.residual_vibration)),
+            "unit": "m",
+        },
+        "resting_error": {
+            "worst": float(np.max(measures.resting_error)),
+            "mean": float(np.mean(measures.resting_error)),
+            "unit": "m",
+        },
+        "largest_error": {"value": float(np.max(measures.largest_error)), "unit": "m"},
+        "largest_voltage": {"value": float(np.max(measures.largest_voltage)), "unit": "V"},
+    }
+
+
+def _margin(margin: WorstMargin) -> dict[str, Any]:
+    return {
+        "measure": margin.measure,
+        "value": margin.value if np.isfinite(margin.value) else None,
+        "loop": margin.loop,
+        "height": margin.height,
+        "pretension": margin.pretension,
+    }
+
+
+class _Number(pydantic.BaseModel):
+    value: pydantic.FiniteFloat
+
+
+class _Numbers(pydantic.BaseModel):
+    value: list[pydantic.FiniteFloat]
+
+
+class _Controller(pydantic.BaseModel):
+    proportional_gain: _Number
+    derivative_gain: _Number
+    period: _Number
+
+
+class _Shaper(pydantic.BaseModel):
+    times: _Numbers
+    amplitudes: list[pydantic.FiniteFloat]
+
+
+class _Leg(pydantic.BaseModel):
+    duration: _Number
+    bezier_control_points: list[pydantic.FiniteFloat]
+
+
+class _Document(pydantic.BaseModel):
+    format: Literal[1]
+    controller: _Controller
+    shaper: _Shaper
+    leg: _Leg

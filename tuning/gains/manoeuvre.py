@@ -1,0 +1,154 @@
+"""The horizontal manoeuvre of Table 3, out and back under control: one, and many at once."""
+
+import functools
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from scdpr_jax.command.controller import PD, published_pd
+from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.command.trajectory import Manoeuvre, rest_to_rest
+from scdpr_jax.legs.command_law import CommandLaw
+from scdpr_jax.legs.ensemble import Ensemble
+from scdpr_jax.legs.leg import Leg, run_leg
+from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.robot.fields import si
+from tuning.gains.design import LONGEST_GAP
+from tuning.gains.loss import loss
+
+LANES = 96
+"""Manoeuvres simulated side by side."""
+HOLD = 1.0
+"""Time that is looked at after the slowest manoeuvre [s]: three periods of 3 Hz."""
+COARSE_PERIOD = 2e-3
+"""Sample period of a search [s]; its result is simulated at the controller's own."""
+
+
+class Task(eqx.Module):
+    """Robots at rest and the manoeuvre that they are tuned on, out and back."""
+
+    ensemble: Ensemble
+    """The robots as they are in the cell, where the manoeuvre begins and ends."""
+    turn: Float[Array, "... 2"] = eqx.field(metadata=si("m"))
+    """Position in between [m]."""
+
+
+def track(
+    task: Task, controller: PD, shaper: Shaper, leg_time: Float[Array, ""], *, samples: int
+) -> Leg:
+    """A horizontal manoeuvre out and back under control.
+
+    Args:
+        task: The robot and the manoeuvre's poses.
+        controller: The controller.
+        shaper: The impulses, applied to the manoeuvre as a whole.
+        leg_time: Time of a leg [s].
+        samples: Samples at the controller's period, beyond the manoeuvre's end.
+
+    Returns:
+        The run.
+    """
+    start = task.ensemble.position
+    out = rest_to_rest(start, task.turn, duration=leg_time)
+    back = rest_to_rest(task.turn, start, duration=leg_time)
+    law = CommandLaw(Manoeuvre((out, back), 0.0), controller, shaper)
+    return run_leg(task.ensemble.robot, task.ensemble.start, law.commands(samples))
+
+
+def samples_for(leg_time: float, period: float) -> int:
+    """Samples of a manoeuvre with the longest shaper and `HOLD` after it.
+
+    Args:
+        leg_time: Time of a leg [s].
+        period: Sample period [s].
+
+    Returns:
+        Their number.
+    """
+    return round((2 * leg_time + 3 * LONGEST_GAP + HOLD) / period) + 1
+
+
+@jax.jit
+def losses(measures: LegMeasures, baseline: LegMeasures) -> Float[Array, "..."]:
+    """Losses of many runs.
+
+    Args:
+        measures: Measures of the runs, in any shape.
+        baseline: Those of Eq. (25)'s PD alone, in a shape that broadcasts to theirs.
+
+    Returns:
+        The loss of each, see `tuning.gains.loss.loss`.
+    """
+    shape = measures.residual_vibration.shape
+    flat, against = (
+        jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, shape).reshape(-1), each)
+        for each in (measures, baseline)
+    )
+    return jax.vmap(loss)(flat, against).reshape(shape)
+
+
+def runs(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> LegMeasures:
+    """Measures of many manoeuvres at the search's period.
+
+    They are run in chunks of `LANES`, so that each leg time is compiled once.
+
+    Args:
+        tasks: Robots and poses, one for each run.
+        controllers: Controllers at `COARSE_PERIOD`, one for each run or a single one.
+        shapers: Shapers, likewise.
+        leg_time: Time of a leg [s].
+
+    Returns:
+        The measures of each run.
+    """
+    count = len(tasks.ensemble)
+
+    def spread(leaf: Array, single: int) -> Array:
+        every = leaf if leaf.ndim > single else jnp.broadcast_to(leaf, (count, *leaf.shape))
+        return jnp.concatenate([every, jnp.repeat(every[:1], -count % LANES, axis=0)])
+
+    lanes = (
+        jax.tree.map(
+            lambda leaf: jnp.concatenate([leaf, jnp.repeat(leaf[:1], -count % LANES, axis=0)]),
+            tasks,
+        ),
+        jax.tree.map(lambda leaf: spread(leaf, 0), controllers),
+        jax.tree.map(lambda leaf: spread(leaf, 1), shapers),
+    )
+    measures = []
+    for first in range(0, count, LANES):
+        chunk = jax.tree.map(lambda leaf, first=first: leaf[first : first + LANES], lanes)
+        measures.append(_chunk(*chunk, leg_time))
+    return jax.tree.map(lambda *parts: jnp.concatenate(parts)[:count], *measures)
+
+
+@functools.partial(jax.jit, static_argnames="leg_time")
+def _chunk(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> LegMeasures:
+    samples, leg = samples_for(leg_time, COARSE_PERIOD), jnp.asarray(leg_time)
+    return jax.vmap(lambda *lane: track(*lane, leg, samples=samples).measures)(
+        tasks, controllers, shapers
+    )
+
+
+def alone() -> PD:
+    """The PD of Eq. (25) at the search's period.
+
+    Returns:
+        The controller.
+    """
+    return at_period(COARSE_PERIOD, published_pd())
+
+
+def at_period(period: float, controller: PD) -> PD:
+    """A controller's gains at another sample period.
+
+    Args:
+        period: The period [s].
+        controller: The controller.
+
+    Returns:
+        The controller.
+    """
+    return PD(controller.proportional_gain, controller.derivative_gain, period)

@@ -1,0 +1,56 @@
+"""What a tuning is predicted to do: manoeuvres simulated before and after."""
+
+import dataclasses
+
+from scdpr_jax.legs.leg import Leg
+from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.robot.fields import si
+
+
+@dataclasses.dataclass(frozen=True)
+class Metrics:
+    """What a manoeuvre under control comes to."""
+
+    residual_vibration: float = dataclasses.field(metadata=si("m"))
+    """Peak to peak of $x_e$ once the commanded reference has ended [m]."""
+    resting_error: float = dataclasses.field(metadata=si("m"))
+    """Distance from the last commanded position to where the end-effector rests [m]."""
+    largest_error: float = dataclasses.field(metadata=si("m", r"\varepsilon_e"))
+    """Largest error against the commanded (shaped) reference, Eq. (26) [m]."""
+    rms_error: float = dataclasses.field(metadata=si("m", r"\varepsilon_e"))
+    """Root mean square of it until the reference ends [m]."""
+    largest_original_error: float = dataclasses.field(metadata=si("m", r"\varepsilon_e"))
+    """Largest error against the reference before shaping, Eq. (26) [m]."""
+    largest_voltage: float = dataclasses.field(metadata=si("V", "V"))
+    """Largest command of either drive [V]."""
+    saturation: float = dataclasses.field(metadata=si("1"))
+    """Share of the samples at which a drive is saturated [1]."""
+
+    @classmethod
+    def of(cls, measures: LegMeasures) -> "Metrics":
+        """The metrics of a leg.
+
+        Args:
+            measures: Its measures.
+
+        Returns:
+            Those of them that a tuning keeps.
+        """
+        names = (field.name for field in dataclasses.fields(cls))
+        return cls(**{name: float(getattr(measures, name)) for name in names})
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Prediction:
+    """A manoeuvre simulated before and after tuning."""
+
+    name: str
+    """The manoeuvre, for a table."""
+    before: Metrics
+    """With the PD of Eq. (25) alone."""
+    after: Metrics
+    """With the tuned gains and the shaper."""
+    run_before: Leg | None = None
+    """Traces before; None in a tuning that was read from a file."""
+    run_after: Leg | None = None
+    """Traces after; None in a tuning that was read from a file."""
