@@ -9,7 +9,7 @@ from identification.campaign.notes.drive import DRIVE_OBSERVATIONS
 from identification.campaign.notes.note import Note
 from identification.campaign.read import RunReading, survey
 from identification.campaign.types import Campaign, Run
-from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.stated.units import si
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
