@@ -151,6 +151,8 @@ class Campaign:
     """The sensors' noise."""
     skipped: tuple[tuple[str, tuple[Fault, ...]], ...] = ()
     """Names of the runs that were left out, each with its faults."""
+    accepted: tuple[str, ...] = ()
+    """Contradictions of its sensors that a user has accepted, in words: results carry them."""
 
     def __repr__(self) -> str:
         seconds = sum(float(run.drive.time[-1] - run.drive.time[0]) for run in self.runs)

@@ -200,10 +200,18 @@ def case_of(campaign: Campaign) -> Case:
     Returns:
         The case, nothing put right yet.
     """
-    return Case(rig=rig_of(campaign), records=tuple(map(_record, campaign.runs)))
+    return Case(rig=rig_of(campaign), records=tuple(map(record_of, campaign.runs)))
 
 
-def _record(run: Run) -> Record:
+def record_of(run: Run) -> Record:
+    """A run as the doctor begins with it.
+
+    Args:
+        run: The run.
+
+    Returns:
+        Its record; a camera of a few frames doesn't count.
+    """
     record = Record(
         run=run,
         kind=run.kind,

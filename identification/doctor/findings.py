@@ -8,11 +8,22 @@ from typing import Any, Literal
 
 import numpy as np
 
+from identification.campaign.faults import Fault
+
 Severity = Literal["fault", "contradiction", "note"]
 """How much a finding matters: it can't be read; it can't be; it is worth knowing."""
 
+Stream = Literal["drive", "camera"]
+"""One of a run's two streams."""
+
 SEVERITIES: tuple[Severity, ...] = ("fault", "contradiction", "note")
 """The severities, the gravest first."""
+
+NOT_INCREASING = "time doesn't increase"
+"""The reader's words for a clock that was set back."""
+
+STREAMS: Mapping[str, Stream] = {"drive.csv": "drive", "camera.csv": "camera"}
+"""The stream of a file."""
 
 FORMAT = 1
 """Version of the file of findings."""
@@ -58,6 +69,31 @@ def _few(names: tuple[str, ...]) -> str:
     if len(names) <= 3:
         return ", ".join(names) or "the campaign"
     return f"{names[0]} and {len(names) - 1} more runs"
+
+
+def from_fault(fault: Fault) -> Finding:
+    """What can't be read, as a finding.
+
+    Args:
+        fault: The fault.
+
+    Returns:
+        The finding.
+    """
+    run, _, file = fault.file.partition("/")
+    backwards = fault.what == NOT_INCREASING
+    return Finding(
+        id="time.jump" if backwards else "file",
+        severity="fault",
+        runs=(run,) if file else (),
+        stream=STREAMS.get(file),
+        column=fault.column.split(" [")[0] or None,
+        row=fault.row,
+        evidence={"got": fault.got, "expected": fault.expected},
+        what=f"{fault.what}, got {fault.got}" if fault.got else fault.what,
+        cause="The clock was set back, or rows are repeated." if backwards else "",
+        remedy=fault.remedy,
+    )
 
 
 def merged(findings: Iterable[Finding]) -> tuple[Finding, ...]:
