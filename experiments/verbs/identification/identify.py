@@ -68,7 +68,7 @@ def identify(
     options = FitOptions(
         free=free or DEFAULT_FREE,
         hold_out=hold_out,
-        measured=map(parse_measured, measured),
+        measured=tuple(map(parse_measured, measured)),
         clock_drifts=camera_drifts,
     )
     read = examined(
