@@ -1,1 +1,1 @@
-"""What people run: the command line, the pipeline, reports and the virtual rig."""
+"""What people run: the command `scdpr`, and the studies, reports and figures behind it."""

@@ -3,18 +3,20 @@
 import contextlib
 import os
 import pathlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import jax
 from rich.console import Console
 from rich.progress import (
     BarColumn,
-    Progress,
     TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+from rich.progress import Progress as Bar
+
+from scdpr_jax.numerics.progress import Progress
 
 
 def set_up(*, double: bool = True, all_cores: bool = False) -> None:
@@ -33,16 +35,16 @@ def set_up(*, double: bool = True, all_cores: bool = False) -> None:
 
 
 @contextlib.contextmanager
-def shown_progress(console: Console) -> Iterator[Callable[[str, float], None]]:
+def shown_progress(console: Console) -> Iterator[Progress]:
     """A progress bar with the time left.
 
     Args:
         console: Where to show it.
 
     Yields:
-        What to call with what is being done and which share of it all is done.
+        What computations tell what they are doing.
     """
-    with Progress(
+    with Bar(
         TextColumn("{task.description}"),
         BarColumn(bar_width=24),
         TaskProgressColumn(),
@@ -53,20 +55,6 @@ def shown_progress(console: Console) -> Iterator[Callable[[str, float], None]]:
         transient=True,
     ) as bar:
         task = bar.add_task("starting", total=1.0)
-        yield lambda doing, share: bar.update(task, description=doing, completed=share)
-
-
-def stage(
-    progress: Callable[[str, float], None], begun: float, ended: float
-) -> Callable[[str, float], None]:
-    """The part of a progress bar that belongs to one stage.
-
-    Args:
-        progress: The whole bar.
-        begun: Share of the whole at which the stage begins.
-        ended: Share at which it ends.
-
-    Returns:
-        What the stage calls with its own share.
-    """
-    return lambda doing, share: progress(doing, begun + (ended - begun) * min(share, 1.0))
+        yield Progress(
+            lambda doing, share: bar.update(task, description=doing, completed=share)
+        )

@@ -1,1 +1,1 @@
-"""notebooks."""
+"""The paper as a notebook, run by the tests."""

@@ -15,6 +15,7 @@ from experiments.paper.catalogue import of_section
 from experiments.paper.claim import Claim, Verdict
 from experiments.paper.content import Content, Section
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.progress import Progress
 
 _PNG_DPI = 75  # a column of the documentation, and files of some 50 kB
 
@@ -58,7 +59,7 @@ class Reproduced:
 
 def reproduce(
     sections: Sequence[Section],
-    progress: Callable[[str, float], None],
+    progress: Progress,
     *,
     keep: Callable[[str, Figure], None] = lambda name, figure: None,
 ) -> tuple[Reproduced, ...]:

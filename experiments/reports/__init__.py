@@ -1,1 +1,1 @@
-"""What is told of a result, in the terminal and as a page."""
+"""Printers of results: in the terminal, as a page, as files. None computes what it prints."""

@@ -1,1 +1,1 @@
-"""What the verbs compute."""
+"""What the verbs compute, and what it comes to; nothing here prints or draws."""

@@ -1,10 +1,10 @@
 """A fitted robot's co-design: the robots that it is made for and judged on."""
 
 import re
-from collections.abc import Callable
 
 from experiments.studies.posterior import at_settings, draw
 from identification.result.fitted_robot import FittedRobot
+from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.codesign import CoDesign, Scope, recommend
 from tuning.result.tuning import FittedSetting
 
@@ -37,7 +37,7 @@ def design(
     fitted: FittedRobot,
     scope: Scope,
     *,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> CoDesign:
     """A co-design of a fitted robot.
 

@@ -1,11 +1,10 @@
 """From a campaign to its parameters, frequencies, gains and shapers."""
 
 import concurrent.futures
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from experiments.runtime import stage
 from experiments.studies.findings import Findings, findings
 from identification.campaign import Campaign
 from identification.checks.selection import select
@@ -14,11 +13,10 @@ from identification.fit.unknowns.options import DEFAULT_FREE, FitOptions
 from identification.knocks.frequency_map import frequency_map
 from identification.result.estimate import Estimate
 from identification.result.estimation import estimate
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.prototype import consistent
 from tuning.gains.optimise import LEG_TIMES, Effort
 from tuning.gains.tune import prepare, tune
-
-Progress = Callable[[str, float], None]
 
 
 def held_out_by_default(campaign: Campaign) -> tuple[str, ...]:
@@ -54,7 +52,7 @@ def calibrate(
     clock_drifts: bool = False,
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Findings:
     """Parameters, frequencies, gains and shapers of a campaign.
 
@@ -88,7 +86,7 @@ def calibrate(
             clock_drifts=clock_drifts,
         )
         fit = select if free is None else estimate
-        fitted = fit(campaign, options, progress=stage(progress, 0.02, 0.7))
+        fitted = fit(campaign, options, progress=progress.part(0.02, 0.7))
         compiled.result()
     progress("ring-downs", 0.7)
     notes = _notes(campaign, fitted)
@@ -104,7 +102,7 @@ def calibrate(
         frequencies,
         leg_times=leg_times,
         effort=effort,
-        progress=stage(progress, 0.75, 0.95),
+        progress=progress.part(0.75, 0.95),
     )
     return findings(
         fitted,

@@ -2,7 +2,6 @@
 
 import importlib.metadata
 import pathlib
-from collections.abc import Callable
 from typing import Any
 
 import equinox as eqx
@@ -19,6 +18,7 @@ from experiments.sweep.netcdf import write_dataset
 from experiments.sweep.store import Store, claim
 from identification.campaign.quantities import format_quantity
 from scdpr_jax.numerics.batches import in_chunks
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import QUANTITIES, replace
 
@@ -50,7 +50,7 @@ def sweep(
     robot: Robot,
     out: pathlib.Path,
     *,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> xr.Dataset:
     """Compute a measure over the grid that axes span, and write it as netCDF.
 
@@ -109,7 +109,7 @@ def _fill(
     grid: Grid,
     point: _Point,
     store: Store,
-    progress: Callable[[str, float], None],
+    progress: Progress,
 ) -> None:
     """Compute the points that the store hasn't."""
     done, size = store.done, measure.chunk * jax.device_count()

@@ -5,7 +5,6 @@ breakaway staircases, steps of the bare drives) with exact friction on a grid fo
 fine as its log's, rounds its encoders to counts, and adds the camera's noise.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -34,11 +33,13 @@ from identification.campaign import (
 )
 from identification.campaign.types import default_sensors, encoder_resolution
 from scdpr_jax.command.trajectory import table_3
+from scdpr_jax.legs.starts import rest_out_of_line
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace, value
-from scdpr_jax.robot.state import State, rest
+from scdpr_jax.robot.state import State
 
 SETTING = "350 N"
 """Nominal pretension of every run."""
@@ -108,7 +109,7 @@ def campaign(
     truth: Truth,
     seed: int,
     *,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Campaign:
     """Fourteen runs of the virtual rig.
 
@@ -277,11 +278,8 @@ class _Rig:
     def start(self, pose: tuple[float, float]) -> State:
         """At rest near a pose, the carriages held out of line by friction."""
         x, y = np.array(pose) + self.random.normal(0, 5e-4, 2)
-        coefficient = float(value(self.robot, "friction_coefficient"))
-        slope = self.random.uniform(-0.8, 0.8) * coefficient
-        lower = x + slope * y
-        upper = lower - slope * float(self.robot.frame.height)
-        return rest(self.robot, jnp.asarray(lower), jnp.asarray(upper), jnp.asarray(y))
+        share = jnp.asarray(self.random.uniform(-0.8, 0.8))
+        return rest_out_of_line(self.robot, jnp.asarray([x, y]), share)
 
     def drive(
         self,

@@ -9,9 +9,10 @@ from jaxtyping import Array, Float
 from identification.axis.inverse_dynamics import inverse_dynamics
 from identification.axis.log import AxisLog
 from identification.axis.motion import AxisParameters, axis_positions
-from identification.axis.multi_start import minimise
-from identification.axis.pattern_search import Polished, polish
-from scdpr_jax.numerics.long_run import sandwich
+from identification.axis.pattern_search import Evaluate, Polished, polish
+from scdpr_jax.numerics.levenberg_marquardt import Damping, Minimum, Stopping, minimise_together
+from scdpr_jax.numerics.long_run_variance import sandwich
+from scdpr_jax.numerics.merit import SumOfSquares
 from scdpr_jax.robot.fields import real, si
 
 PARAMETER_NAMES = ("mass", "viscous", "coulomb", "offset")
@@ -23,6 +24,11 @@ EXTENDED_NAMES = (*PARAMETER_NAMES, "viscous_difference")
 _HALF_WINDOWS = (3, 10, 30, 100)  # samples: noise decides which is best, so all are starts
 _BATCH = 8  # simulations at once: as many directions as `polish` tries, so one compilation
 _AGREEING = 1.1  # of the best sum of squares: 5 % of the error, before the polish
+_DAMPING = Damping(rise=2.0, growth=2.0, least=0.0, most=1e8)
+"""Nielsen's: a kink is crossed by a step only a little shorter, or by none."""
+_PROMISED = 1e-10
+"""Share of the misfit that a step has to promise [1]: no parameter moves by 1e-4 of its
+white-noise standard error in a record of less than 1e6 samples."""
 _WEAK, _UNIDENTIFIABLE = 0.1, 0.5  # standard error over value, or over force for the offset
 
 
@@ -79,8 +85,8 @@ def estimate_drive_axis(
     start is polished by a search that needs no gradient.
 
     Standard errors are robust to correlated residuals, see
-    `scdpr_jax.numerics.long_run.sandwich`: what four parameters leave over is mostly the
-    axis's own departure from the model, not noise.
+    `scdpr_jax.numerics.long_run_variance.sandwich`: what four parameters leave over is
+    mostly the axis's own departure from the model, not noise.
 
     Args:
         log: The axis's log.
@@ -122,19 +128,47 @@ def estimate_drive_axis(
 
     lower = _lower(names)
     guesses = np.column_stack([np.log(guesses[:, 0]), guesses[:, 1:]])
-    minimum = minimise(evaluate, guesses, lower=lower, max_iterations=max_iterations)
-    polished = polish(evaluate, costs, minimum.parameters, lower=lower)
+    ends = _minima(evaluate, guesses, lower=lower, max_iterations=max_iterations)
+    reached = np.array([end.normal.cost for end in ends])
+    polished = polish(evaluate, costs, ends[int(np.argmin(reached))].point, lower=lower)
     _check_fit(log, polished, gain=gain)
-    near = int(np.sum(minimum.costs <= _AGREEING * np.min(minimum.costs)))
     return _estimate(
         log,
         polished,
         names=names,
         force=np.asarray(force),
         starts=len(guesses),
-        agreeing_starts=near,
-        iterations=minimum.iterations + polished.iterations,
+        agreeing_starts=int(np.sum(reached <= _AGREEING * np.min(reached))),
+        iterations=max(end.iterations - 1 for end in ends) + polished.iterations,
     )
+
+
+def _minima(
+    evaluate: Evaluate,
+    starts: Float[np.ndarray, "starts n"],
+    *,
+    lower: Float[np.ndarray, " n"],
+    max_iterations: int,
+) -> list[Minimum[SumOfSquares]]:
+    """Where the starts lead along the gradient, all of them at once.
+
+    Where the residuals have kinks they come near a minimum and stall there: `polish` goes the
+    rest of the way.
+    """
+
+    def together(points: list[Float[np.ndarray, " n"]]) -> list[SumOfSquares]:
+        return list(map(SumOfSquares, *evaluate(np.stack(points))))
+
+    stopping = Stopping(evaluations=max_iterations + 1, share=_PROMISED, undamped=True)
+    ends = minimise_together(
+        together, list(starts), lower=lower, damping=_DAMPING, stopping=stopping
+    )
+    if not any(np.isfinite(end.normal.cost) for end in ends):
+        raise ValueError(
+            f"the residuals are finite at none of the {len(starts)} starts, expected a finite "
+            f"simulation at one of them at least. Starts: {starts.tolist()}."
+        )
+    return ends
 
 
 def _check(log: AxisLog, *, gain: float, delay_samples: int) -> None:

@@ -85,16 +85,16 @@ def read_axis_log(path: pathlib.Path) -> AxisLog:
             "separated by commas, such as 't [s],voltage [V],position [m]'. Export the log "
             "with commas, and '.' as decimal point."
         )
-    found = [_find(path, header, column) for column in _COLUMNS]
-    samples = _numbers(path, rows, header, [place for place, _, _ in found])
+    columns = [_find(path, header, column) for column in _COLUMNS]
+    samples = _numbers(path, rows, header, [place for place, _, _ in columns])
     if len(samples) < _SHORTEST:
         raise ValueError(
             f"{path}: {len(samples)} samples, expected at least {_SHORTEST}. "
             "Four parameters need a record in which the axis moves: log a longer run."
         )
-    _check_time(path, [row[0] for row in samples], header[found[0][0]])
-    time, voltage, position = np.array(samples).T * [[factor] for _, _, factor in found]
-    return AxisLog(time, voltage, position, found[2][1])
+    _check_time(path, [row[0] for row in samples], header[columns[0][0]])
+    time, voltage, position = np.array(samples).T * [[factor] for _, _, factor in columns]
+    return AxisLog(time, voltage, position, columns[2][1])
 
 
 def _rows(path: pathlib.Path) -> list[list[str]]:

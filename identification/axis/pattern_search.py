@@ -6,7 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from identification.axis.multi_start import Evaluate
+Evaluate = Callable[
+    [Float[np.ndarray, "starts parameters"]],
+    tuple[Float[np.ndarray, "starts samples"], Float[np.ndarray, "starts samples parameters"]],
+]
+"""Residuals and their Jacobian for a batch of parameters."""
 
 _WIDEST = 0.3  # of the residuals' norm: a first step worth 4 % of the root mean square
 _NARROWEST = 0.02  # white-noise standard errors: a hundredth of an interval's width

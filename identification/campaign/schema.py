@@ -204,11 +204,11 @@ def _explained(
     problem: Any, model: type[BaseModel], path: list[str]
 ) -> tuple[str, str, str, str]:
     """What is wrong, what was found, what was expected and the remedy."""
-    found, name = problem["input"], path[-1]
+    got, name = problem["input"], path[-1]
     table = _table(model, path[:-1])
     if problem["type"] == "extra_forbidden":
         known = ", ".join(table.model_fields)
-        elsewhere = None if isinstance(found, dict) else _elsewhere(model, table, name)
+        elsewhere = None if isinstance(got, dict) else _elsewhere(model, table, name)
         return (
             "an unknown key",
             repr(name),
@@ -222,11 +222,11 @@ def _explained(
         cause = problem["ctx"]["error"]
         return cause.problem, cause.got, cause.expected, cause.remedy
     if problem["type"] == "literal_error":
-        near = difflib.get_close_matches(_shown(found), KINDS, n=1)
+        near = difflib.get_close_matches(_shown(got), KINDS, n=1)
         remedy = f'Is it "{near[0]}"?' if near else '"free" takes what fits no other kind.'
-        return "an unknown kind", _shown(found), f"one of {', '.join(KINDS)}", remedy
+        return "an unknown kind", _shown(got), f"one of {', '.join(KINDS)}", remedy
     what = problem["msg"][0].lower() + problem["msg"][1:]
-    return what, _shown(found), example, f"Write it like {example}"
+    return what, _shown(got), example, f"Write it like {example}"
 
 
 def _table(model: type[BaseModel], path: Sequence[str]) -> type[BaseModel]:

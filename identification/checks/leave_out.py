@@ -1,7 +1,6 @@
 """Fits without each run: what `identification.judge.influence` has to first order."""
 
 import dataclasses
-from collections.abc import Callable
 
 import numpy as np
 
@@ -9,13 +8,14 @@ from identification.campaign.types import Campaign
 from identification.judge.influence import decoded, known_sigma
 from identification.result.estimate import Estimate
 from identification.result.estimation import solved
+from scdpr_jax.numerics.progress import SILENT, Progress
 
 
 def without_each_run(
     campaign: Campaign,
     estimate: Estimate,
     *,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Estimate:
     """The estimate with its runs left out by fits instead of by a Gauss-Newton step each.
 

@@ -16,7 +16,6 @@ Bayesian Analysis 16(2), 2021, doi:10.1214/20-BA1221.
 """
 
 import importlib.util
-from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -24,7 +23,6 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Campaign
-from identification.fit.levenberg_marquardt import Normal
 from identification.fit.problem import Problem
 from identification.fit.run_sums import motor_sums, run_sums
 from identification.fit.unknowns.measured import pulls
@@ -32,6 +30,8 @@ from identification.judge.influence import decoded
 from identification.judge.likelihood import Posterior
 from identification.result.estimate import Estimate
 from identification.result.estimation import solved
+from scdpr_jax.numerics.merit import Normal
+from scdpr_jax.numerics.progress import SILENT, Progress
 
 APART = 1.01
 """Largest potential scale reduction that is taken for convergence [1]."""
@@ -121,7 +121,7 @@ def posterior(
     warm_up: int = 100,
     draws: int = 50,
     seed: int = 0,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Posterior:
     """Draws from what the logs leave possible, beginning at the fit.
 

@@ -10,13 +10,14 @@ import numpy as np
 from jaxtyping import Float
 
 from identification.campaign.types import Campaign
-from identification.fit.levenberg_marquardt import Normal, minimise_together
 from identification.fit.problem import Problem
 from identification.fit.unknowns.unknowns import decode, encode
 from identification.judge.likelihood import Profile
 from identification.judge.uncertainty import ParameterEstimate
 from identification.result.estimate import Estimate
 from identification.result.estimation import solved
+from scdpr_jax.numerics.levenberg_marquardt import Stopping, minimise_together
+from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.quantities import quantity
 
 WIDTHS = (-3.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 3.0)
@@ -82,8 +83,7 @@ def _profile(
         evaluate,
         starts,
         lower=problem.unknowns.lower(),
-        iterations=iterations,
-        decrement=1e-2,
+        stopping=Stopping(evaluations=iterations, decrement=1e-2),
     )
     values = np.array([decode(parameter.name, number) for number in (*grid, point[index])])
     rise = np.array([*(end.normal.cost - best.cost for end in ends), 0.0])

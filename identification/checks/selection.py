@@ -2,26 +2,26 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
 
 from identification.campaign.types import Campaign
 from identification.fit.correction import unweighted
-from identification.fit.levenberg_marquardt import Minimum, Normal, free_unknowns
 from identification.fit.problem import Problem
 from identification.fit.unknowns.models import REFINEMENTS, Model, Refinement
 from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import FOLLOWS, layout
 from identification.result.estimate import Estimate
 from identification.result.estimation import estimate, require_float64, solve, vector
+from scdpr_jax.numerics.levenberg_marquardt import Minimum, free_unknowns
+from scdpr_jax.numerics.merit import Normal
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.state import pose
 
 ITERATIONS = 30
 """Most evaluations of a model; the next one goes on from there, and the chosen one, too."""
-
-Progress = Callable[[str, float], None]
 
 
 def select(
@@ -29,7 +29,7 @@ def select(
     options: FitOptions | None = None,
     *,
     refinements: Sequence[Refinement] = REFINEMENTS,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Estimate:
     r"""The usual estimate or, where it leaves more than noise, that of a model with more in it.
 
@@ -58,9 +58,7 @@ def select(
     """
     require_float64()
     options = options or FitOptions()
-    usual = estimate(
-        campaign, options, progress=lambda doing, share: progress(doing, 0.4 * share)
-    )
+    usual = estimate(campaign, options, progress=progress.part(0.0, 0.4))
     if all(channel.is_noise for run in usual.comparisons for channel in run.channels):
         return usual
     candidates = [r for r in refinements if not set(r.free) <= set(options.free)]
@@ -79,7 +77,7 @@ def select(
         best.problem,
         [best.minimum.point],
         valleys=usual.fit.valleys,
-        progress=lambda doing, share: progress(doing, 0.9 + 0.1 * share),
+        progress=progress.part(0.9, 1.0),
     )
     return dataclasses.replace(chosen, models=models, choice=choice)
 

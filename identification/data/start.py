@@ -137,12 +137,12 @@ def clocks(runs: Sequence[Run], sensors: Sensors, effective_radius: float) -> tu
         For each run its clock; runs without a camera have offset and deviation 0.
     """
     unknown = [run for run in runs if run.camera is not None and run.clock_offset is None]
-    own = {run.name: _aligned(run, sensors, effective_radius) for run in unknown}
-    measured = [clock for clock in own.values() if np.isfinite(clock.sigma)]
+    aligned = {run.name: _aligned(run, sensors, effective_radius) for run in unknown}
+    measured = [clock for clock in aligned.values() if np.isfinite(clock.sigma)]
     common = _pooled(measured)
     return tuple(
-        _combined(own[run.name], common)
-        if run.name in own
+        _combined(aligned[run.name], common)
+        if run.name in aligned
         else Clock(run.clock_offset or 0.0, 0.0)
         for run in runs
     )
@@ -165,12 +165,12 @@ def _aligned(run: Run, sensors: Sensors, effective_radius: float) -> Clock:
         return Clock(0.0, np.inf)
 
     def differences(offset: float, around: float) -> Float[np.ndarray, " frames"]:
-        found = []
+        parts = []
         for stamps, seen, moved in pairs:
             inside = (stamps - around > time[0]) & (stamps - around < time[-1])
             difference = seen[inside] - np.interp(stamps[inside] - offset, time, moved)
-            found.append(difference - np.mean(difference))
-        return np.concatenate(found)
+            parts.append(difference - np.mean(difference))
+        return np.concatenate(parts)
 
     offset = _refine(lambda tried: np.mean(np.square(differences(tried, tried))))
     noise = max(float(np.std(differences(offset, offset))), sensors.camera_position_sigma)
@@ -205,10 +205,10 @@ def _pooled(clocks: Sequence[Clock]) -> Clock:
     return Clock(mean, float(np.sqrt(between + 1 / np.sum(weights))))
 
 
-def _combined(own: Clock, common: Clock) -> Clock:
+def _combined(aligned: Clock, common: Clock) -> Clock:
     """A run's own alignment and the campaign's clock together."""
-    weights = np.array([own.sigma, common.sigma]) ** -2.0
+    weights = np.array([aligned.sigma, common.sigma]) ** -2.0
     if not np.any(weights > 0):
         return Clock(common.offset, UNKNOWN_CLOCK)
-    offset = (weights[0] * own.offset + weights[1] * common.offset) / np.sum(weights)
+    offset = (weights[0] * aligned.offset + weights[1] * common.offset) / np.sum(weights)
     return Clock(float(offset), float(min(np.sum(weights) ** -0.5, UNKNOWN_CLOCK)))

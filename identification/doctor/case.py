@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from identification.campaign.notes.note import known
+from identification.campaign.notes.note import rig_value
 from identification.campaign.types import Campaign, Initial, Knock, Run, encoder_resolution
 
 X, D, Q3, Q4, Y = range(5)
@@ -59,20 +59,20 @@ def rig_of(campaign: Campaign) -> Rig:
         The rig.
     """
     mass, lower, upper = (
-        known(name, campaign)
+        rig_value(name, campaign)
         for name in ("end_effector_mass", "lower_carriage_mass", "upper_carriage_mass")
     )
     count = campaign.sensors.encoder_sigma * math.sqrt(12)
     if campaign.counts_per_rev is not None:
         count = encoder_resolution(campaign.counts_per_rev)
     return Rig(
-        radius=known("effective_radius", campaign),
-        width=known("frame_width", campaign),
-        height=known("frame_height", campaign),
-        inertia=known("drive_inertia", campaign),
-        damping=known("drive_damping", campaign),
-        torque_per_volt=known("torque_per_volt", campaign),
-        voltage_limit=known("voltage_limit", campaign),
+        radius=rig_value("effective_radius", campaign),
+        width=rig_value("frame_width", campaign),
+        height=rig_value("frame_height", campaign),
+        inertia=rig_value("drive_inertia", campaign),
+        damping=rig_value("drive_damping", campaign),
+        torque_per_volt=rig_value("torque_per_volt", campaign),
+        voltage_limit=rig_value("voltage_limit", campaign),
         end_effector_mass=mass,
         moved_mass=mass + lower + upper,
         count=count,

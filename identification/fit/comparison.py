@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from identification.data.circumstances import CLOCK
 from identification.data.record import MotorRecord
 from identification.fit.problem import Problem
-from identification.fit.residuals import Predicted, drive_time
+from identification.fit.residuals import drive_time
 from identification.fit.run_sums import motor_angles
 from identification.fit.unknowns.unknowns import apply
 from scdpr_jax.robot.parameters import Robot
@@ -118,7 +118,12 @@ def comparisons(problem: Problem, point: Float[np.ndarray, " n"]) -> tuple[Compa
 
 
 def _cabled(
-    problem: Problem, point: Float[np.ndarray, " n"], row: int, predicted: Predicted
+    problem: Problem,
+    point: Float[np.ndarray, " n"],
+    row: int,
+    predicted: tuple[
+        Float[np.ndarray, "rows 5"], Float[np.ndarray, "rows 2"], Float[np.ndarray, "frames 5"]
+    ],
 ) -> Comparison:
     """A run with the cable on beside what is predicted for it."""
     logs = problem.logs

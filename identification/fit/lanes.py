@@ -46,9 +46,9 @@ def in_lanes(
     """
 
     def chunk(
-        own: tuple[Float[np.ndarray, "lanes n"], Int[np.ndarray, " lanes"]],
+        lanes: tuple[Float[np.ndarray, "lanes n"], Int[np.ndarray, " lanes"]],
     ) -> Result:
-        return function(robot, free, *map(jnp.asarray, own), records)
+        return function(robot, free, *map(jnp.asarray, lanes), records)
 
     return side_by_side(
         chunk,

@@ -6,7 +6,7 @@ into the whole at their places. What was measured otherwise adds residuals of it
 """
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
@@ -16,13 +16,20 @@ from jaxtyping import Float, Int
 from identification.campaign.types import Campaign
 from identification.data.circumstances import START
 from identification.fit.lanes import in_lanes
-from identification.fit.levenberg_marquardt import Minimum, Normal, minimise, minimise_together
 from identification.fit.logs import Logs
 from identification.fit.residuals import Predicted, predictions
 from identification.fit.run_sums import RunSums, assemble, motor_sums, run_sums
 from identification.fit.unknowns.measured import pulls, require_settings
 from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import Unknowns, layout, start_values
+from scdpr_jax.numerics.levenberg_marquardt import (
+    Minimum,
+    Stopping,
+    minimise,
+    minimise_together,
+)
+from scdpr_jax.numerics.merit import Normal
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
 
 
@@ -266,7 +273,7 @@ class Problem:
         *,
         iterations: int,
         decrement: float,
-        report: Callable[[int, float], None] = lambda iteration, cost: None,
+        progress: Progress = SILENT,
         held_out: bool = False,
     ) -> Minimum:
         """The minimum that a start leads to, on the coarser grid.
@@ -275,7 +282,7 @@ class Problem:
             start: Vector of the fit.
             iterations: Most evaluations.
             decrement: Decrease of the misfit that a step still has to promise.
-            report: Told the evaluations so far and the least misfit.
+            progress: Told which share of the evaluations has been made.
             held_out: Whether to fit the held-out runs' circumstances, and nothing else.
 
         Returns:
@@ -285,9 +292,8 @@ class Problem:
             lambda point: self.evaluate([point], held_out=held_out, shared=not held_out)[0],
             start,
             lower=self.unknowns.lower(),
-            iterations=iterations,
-            decrement=decrement,
-            report=report,
+            stopping=Stopping(evaluations=iterations, decrement=decrement),
+            progress=progress,
         )
 
     def minimise_on(
@@ -317,9 +323,7 @@ class Problem:
             lambda points: self.evaluate(points, rows=rows, shared=shared),
             starts,
             lower=self.unknowns.lower(),
-            iterations=iterations,
-            decrement=decrement,
-            share=share,
+            stopping=Stopping(evaluations=iterations, decrement=decrement, share=share),
         )
 
 

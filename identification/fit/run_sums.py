@@ -18,7 +18,6 @@ from jaxtyping import Array, Float, Int
 from identification.axis.motion import AxisParameters, axis_positions
 from identification.data.circumstances import MOVING, Circumstances
 from identification.data.record import MotorRecord, Record
-from identification.fit.levenberg_marquardt import Normal
 from identification.fit.misfit import channel_misfit
 from identification.fit.residuals import (
     Motion,
@@ -28,6 +27,7 @@ from identification.fit.residuals import (
     run_motion,
 )
 from identification.fit.unknowns.unknowns import Unknowns, apply
+from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.parameters import Drive, Robot
 

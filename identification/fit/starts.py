@@ -6,7 +6,7 @@ are enough to follow all of them to their ends, side by side.
 """
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -15,6 +15,7 @@ from identification.data.circumstances import START
 from identification.fit.problem import Problem
 from identification.fit.scan import scan
 from identification.fit.unknowns.unknowns import PER_SETTING, decode, encode
+from scdpr_jax.numerics.progress import Progress
 from scdpr_jax.robot.quantities import value
 
 SCAN_RUNS = 2
@@ -66,7 +67,7 @@ AMBIGUOUS = 1.3
 """Misfit over the least one up to which a valley is tried on all runs, too [1]."""
 
 
-def starts(problem: Problem, progress: Callable[[str, float], None]) -> Starts:
+def starts(problem: Problem, progress: Progress) -> Starts:
     """Points to begin a fit at.
 
     Args:

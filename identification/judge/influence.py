@@ -21,10 +21,10 @@ from jaxtyping import Bool, Float
 from scipy import stats
 from scipy.optimize import lsq_linear
 
-from identification.fit.levenberg_marquardt import Normal
 from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums
 from identification.judge.uncertainty import ParameterEstimate
+from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.quantities import quantity
 
 RESAMPLES = 4000
@@ -297,7 +297,7 @@ def _unstopped(normal: RunNormal, lower: Float[np.ndarray, " n"]) -> RunNormal:
     return dataclasses.replace(
         normal,
         information=normal.information * both,
-        otherwise=other._replace(matrix=other.matrix * both),
+        otherwise=dataclasses.replace(other, matrix=other.matrix * both),
     )
 
 

@@ -68,13 +68,13 @@ def validate(comparison: Comparison) -> tuple[ChannelValidation, ...]:
     Returns:
         One for each channel that was measured.
     """
-    found = []
+    validations = []
     for number, name in enumerate(ENCODERS):
         measured = comparison.measured_angle[:, number]
         counts = np.diff(np.unique(measured))
         changes = np.flatnonzero(np.append(True, np.diff(measured) != 0))
         middle = (changes + np.append(changes[1:], measured.size) - 1) // 2
-        found.append(
+        validations.append(
             _channel(
                 comparison,
                 name,
@@ -87,7 +87,7 @@ def validate(comparison: Comparison) -> tuple[ChannelValidation, ...]:
     for number, name in enumerate(CAMERA):
         seen = np.isfinite(comparison.measured[:, number])
         if np.any(seen):
-            found.append(
+            validations.append(
                 _channel(
                     comparison,
                     name,
@@ -96,7 +96,7 @@ def validate(comparison: Comparison) -> tuple[ChannelValidation, ...]:
                     comparison.simulated[seen, number],
                 )
             )
-    return tuple(found)
+    return tuple(validations)
 
 
 def _channel(

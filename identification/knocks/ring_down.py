@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from identification.knocks.decay import Decay, fit_decay
 from identification.knocks.spectrum import natural_frequency
-from scdpr_jax.numerics.long_run import sandwich
+from scdpr_jax.numerics.long_run_variance import sandwich
 from scdpr_jax.robot.fields import si
 
 _FEWEST = 20  # samples: two modes and a drift take ten
@@ -287,7 +287,7 @@ def _covariance(
     """Covariance of all parameters, widened where the residuals are more than noise.
 
     Noise has a known size. Anything else is scaled to the residuals, and to the larger of
-    white and correlated (`long_run.sandwich`) for each parameter.
+    white and correlated (`long_run_variance.sandwich`) for each parameter.
     """
     # Residuals smaller than the noise are luck, and no reason for a smaller error.
     scale = noise_sigma**2 * max(1.0, window.chi_square)

@@ -36,8 +36,8 @@ def estimate_each(
     """
     for campaign in campaigns:
         try:
-            found = fit(campaign)
+            fitted = fit(campaign)
         except (ValueError, FloatingPointError) as error:
             yield Row(campaign.name, None, str(error))
         else:
-            yield Row(campaign.name, found, "")
+            yield Row(campaign.name, fitted, "")

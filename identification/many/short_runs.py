@@ -23,6 +23,7 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.engines.linear_stepping import simulate_linear
 from scdpr_jax.numerics.batches import in_chunks
+from scdpr_jax.numerics.levenberg_marquardt import Damping, damped_step
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.parameters import Robot
@@ -79,6 +80,14 @@ class ManyEstimates:
     def converged(self) -> np.ndarray:
         """Which rows may be used."""
         return np.array([not reason for reason in self.failure])
+
+
+class _Normal(NamedTuple):
+    """Misfit of a lane with its normal equations."""
+
+    cost: Float[Array, ""]
+    gradient: Float[Array, "4"]
+    matrix: Float[Array, "4 4"]
 
 
 class _Lane(NamedTuple):
@@ -267,59 +276,47 @@ def _followed(given: tuple[Robot, Array, ShortRuns, Array], *, rubbing_drives: b
     """`STEPS` steps by Levenberg and Marquardt."""
     robot, interval, run, start = given
 
-    def normal(point: Float[Array, "4"]) -> tuple[Array, Array, Array]:
+    def normal(point: Float[Array, "4"]) -> _Normal:
         def both(x: Float[Array, "4"]) -> tuple[Array, Array]:
             found = _residuals(robot, interval, x, run, rubbing_drives=rubbing_drives)
             return found, found
 
         jacobian, found = jax.jacfwd(both, has_aux=True)(point)
         jacobian = jacobian.reshape(-1, 4)
+        matrix = jacobian.T @ jacobian
         cost = jnp.sum(jnp.square(found))
-        good = jnp.isfinite(cost) & jnp.all(jnp.isfinite(jacobian))
-        cost = jnp.where(good, cost, jnp.inf)
-        return cost, jacobian.T @ found.ravel(), jacobian.T @ jacobian
+        # A derivative that isn't finite stands on the diagonal.
+        good = jnp.isfinite(cost) & jnp.all(jnp.isfinite(matrix))
+        return _Normal(jnp.where(good, cost, jnp.inf), jacobian.T @ found.ravel(), matrix)
 
     def step(best: tuple, _: None) -> tuple[tuple, None]:
-        point, damping, (cost, gradient, matrix) = best
-        moved = _damped(gradient, matrix, damping)
-        candidate = point - jnp.clip(moved, -LARGEST, LARGEST)
+        point, damping, at = best
+        moved = damped_step(at.gradient, at.matrix, damping + REGULAR)
+        candidate = point + jnp.clip(moved, -LARGEST, LARGEST)
         tried = normal(candidate)
-        better = tried[0] < cost
-        kept = jax.tree.map(
-            lambda new, old: jnp.where(better, new, old),
-            (candidate, tried),
-            (point, best[2]),
+        better = tried.cost < at.cost
+        point, at = jax.tree.map(
+            lambda new, old: jnp.where(better, new, old), (candidate, tried), (point, at)
         )
-        damping = jnp.where(better, damping / 10, damping * 10)
-        return (kept[0], damping, kept[1]), None
+        damping = jnp.where(better, damping / DAMPING.fall, damping * DAMPING.rise)
+        return (point, damping, at), None
 
     # Of the start, so that it belongs to the start's device as the rest of the lane does.
     nothing = 0 * start
     # The first step goes nowhere and finds out where it stands.
-    unknown = (nothing[0] + jnp.inf, nothing, jnp.outer(nothing, nothing))
-    begun = (start, nothing[0] + 1e-2, unknown)
-    (point, _, (cost, gradient, matrix)), _ = jax.lax.scan(step, begun, length=STEPS + 1)
-    promised = gradient @ _damped(gradient, matrix, nothing[0])
-    return _Lane(point, cost, promised, matrix)
+    unknown = _Normal(nothing[0] + jnp.inf, nothing, jnp.outer(nothing, nothing))
+    begun = (start, nothing[0] + DAMPING.first, unknown)
+    (point, _, at), _ = jax.lax.scan(step, begun, length=STEPS + 1)
+    promised = -at.gradient @ damped_step(at.gradient, at.matrix, REGULAR)
+    return _Lane(point, at.cost, promised, at.matrix)
 
 
+DAMPING = Damping(first=1e-2, least=0.0)
+"""Damping of the last stage."""
+REGULAR = 1e-9
+"""Damping that keeps what can't be told apart from breaking the solution [1]."""
 LARGEST = 1.0
 """Largest change of a logarithm in a step [1]: a factor of e."""
-
-
-def _damped(
-    gradient: Float[Array, "4"], matrix: Float[Array, "4 4"], damping: Float[Array, ""]
-) -> Float[Array, "4"]:
-    """The damped step; an unknown that nothing depends on stays."""
-    diagonal = jnp.diag(matrix)
-    seen = diagonal > 0
-    scale = jnp.where(seen, jax.lax.rsqrt(jnp.where(seen, diagonal, 1.0)), 0.0)
-    unit = matrix * scale[:, None] * scale[None, :]
-    unit = jnp.where(jnp.isfinite(unit), unit, 0.0) + jnp.diag(jnp.where(seen, 0.0, 1.0))
-    # A billionth keeps what can't be told apart from breaking the solution.
-    regular = unit + (damping + 1e-9) * jnp.eye(4, dtype=unit.dtype)
-    right = jnp.where(jnp.isfinite(gradient), gradient * scale, 0.0)
-    return scale * jnp.linalg.solve(regular, right)
 
 
 def _judged(lanes: _Lane, count: np.ndarray, steps: np.ndarray) -> ManyEstimates:

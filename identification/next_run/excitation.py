@@ -146,7 +146,7 @@ def catalogue(
             f"{REST:g} s before it moves and for {TAIL:g} s after. Allow for a longer run."
         )
     lengths = (round(duration / 2 / STEP), round(duration / STEP))
-    found = [
+    driven = [
         Excitation(
             f"{name}, {way}, {share:.0%}",
             pose,
@@ -158,7 +158,7 @@ def catalogue(
     ]
     still = np.zeros((lengths[0], 2))
     knocks = [Excitation("knock", pose, still, KNOCK_FORCE) for pose in poses]
-    return (*found, *knocks)
+    return (*driven, *knocks)
 
 
 def _commands(

@@ -24,6 +24,7 @@ from identification.next_run.expected_information import (
     expected,
     expected_over,
 )
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.numerics.side_by_side import CORES
 from scdpr_jax.robot.quantities import value
 
@@ -114,7 +115,7 @@ def propose(
     *,
     key: PRNGKeyArray,
     iterations: int = 40,
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> tuple[Candidate, ...]:
     """The best excitation of each shape, and what a search by gradient makes of them.
 
@@ -137,26 +138,26 @@ def propose(
         ValueError: If no excitation of the catalogue keeps within frame and speed.
     """
     comparing, searching, judging = jax.random.split(key, 3)
-    intervals = max(one.voltage.shape[0] for one in excitations)
-    found = judged(
+    intervals = max(excitation.voltage.shape[0] for excitation in excitations)
+    candidates = judged(
         rig,
         excitations,
         criterion,
         truths=rig.draws(comparing, DRAWS),
         intervals=intervals,
-        progress=lambda share: progress("the catalogue", share / 2),
+        progress=progress.part(0.0, 0.5, "the catalogue"),
     )
     best: dict[str, Candidate] = {}
-    for one in sorted(found, key=lambda one: -one.rate):
-        best.setdefault(one.excitation.shape, one)
+    for candidate in sorted(candidates, key=_falling_rate):
+        best.setdefault(candidate.excitation.shape, candidate)
     if not best:
         raise ValueError(
             f"no excitation keeps clear of the frame and below {float(rig.top_speed):g} m/s, "
             f"got {len(excitations)} to choose from. Allow for a higher speed, or start "
             "elsewhere."
         )
-    chosen = [one.excitation for one in best.values()]
-    starts = [one for one in chosen if one.knock == 0][:STARTS]
+    chosen = [candidate.excitation for candidate in best.values()]
+    starts = [excitation for excitation in chosen if excitation.knock == 0][:STARTS]
     if starts and iterations:
         chosen += improved(
             rig,
@@ -165,12 +166,16 @@ def propose(
             key=searching,
             iterations=iterations,
             intervals=intervals,
-            progress=lambda share: progress("improved by gradient", 0.5 + 0.4 * share),
+            progress=progress.part(0.5, 0.9, "improved by gradient"),
         )
     progress("judged anew", 0.9)
     truths = rig.draws(judging, JUDGES)
     final = judged(rig, chosen, criterion, truths=truths, intervals=intervals)
-    return tuple(sorted(final, key=lambda one: -one.rate))
+    return tuple(sorted(final, key=_falling_rate))
+
+
+def _falling_rate(candidate: Candidate) -> float:
+    return -candidate.rate
 
 
 def judged(
@@ -180,7 +185,7 @@ def judged(
     *,
     truths: Float[Array, "draws n"],
     intervals: int,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Progress = SILENT,
 ) -> list[Candidate]:
     """What excitations are worth, without those that break a limit.
 
@@ -196,22 +201,23 @@ def judged(
         A candidate for each that keeps within frame and speed for every one of them.
     """
     before = float(criterion(rig.root @ rig.root.T))
-    told = _told(rig, excitations, truths, intervals, progress)
-    found = []
-    for one, units, beyond in zip(excitations, *told, strict=True):
+    expectations = _expectations(rig, excitations, truths, intervals, progress)
+    candidates = []
+    for excitation, units, beyond in zip(excitations, *expectations, strict=True):
         if not np.any(beyond > 0.0):
             covariance = rig.covariance(jnp.asarray(units))
             sigma = np.sqrt(np.diag(np.asarray(covariance)))
-            found.append(Candidate(one, sigma, before - float(criterion(covariance))))
-    return found
+            gain = before - float(criterion(covariance))
+            candidates.append(Candidate(excitation, sigma, gain))
+    return candidates
 
 
-def _told(
+def _expectations(
     rig: Rig,
     excitations: Sequence[Excitation],
     truths: Float[Array, "draws n"],
     intervals: int,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Progress = SILENT,
 ) -> Expected:
     """What excitations tell on average over the truths, and how far they go beyond limits."""
     chunks = [
@@ -223,19 +229,19 @@ def _told(
     def tell(chunk: tuple[Sequence[Excitation], Float[Array, "draws n"]]) -> Expected:
         # Chunks of one size: one compilation.
         filled = [*chunk[0], *chunk[0][:1] * (LANES - len(chunk[0]))]
-        found = _over_all(rig, stacked(filled, intervals), chunk[1])
-        return jax.tree.map(lambda leaf: np.asarray(leaf)[: len(chunk[0])], found)
+        expectation = _over_all(rig, stacked(filled, intervals), chunk[1])
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[: len(chunk[0])], expectation)
 
-    def all_told() -> Iterator[Expected]:
+    def in_order() -> Iterator[Expected]:
         # Threads that find nothing compiled would all compile it.
         yield tell(chunks[0])
         with concurrent.futures.ThreadPoolExecutor(CORES) as threads:
             yield from threads.map(tell, chunks[1:])
 
     parts: list[Expected] = []
-    for one in all_told():
-        parts.append(one)
-        progress(len(parts) / len(chunks))
+    for part in in_order():
+        parts.append(part)
+        progress("", len(parts) / len(chunks))
     every = len(truths) // DRAWS
     rows = [parts[first : first + every] for first in range(0, len(parts), every)]
     return Expected(
@@ -246,11 +252,11 @@ def _told(
 
 @eqx.filter_jit
 def _over_all(rig: Rig, runs: PlannedRun, truths: Float[Array, "draws n"]) -> Expected:
-    def one(run: PlannedRun) -> Expected:
-        found = jax.vmap(expected, in_axes=(None, None, 0))(rig, run, truths)
-        return Expected(jnp.mean(found.units, axis=0), jnp.max(found.beyond))
+    def mean(run: PlannedRun) -> Expected:
+        each = jax.vmap(expected, in_axes=(None, None, 0))(rig, run, truths)
+        return Expected(jnp.mean(each.units, axis=0), jnp.max(each.beyond))
 
-    return jax.vmap(one)(runs)
+    return jax.vmap(mean)(runs)
 
 
 def stacked(excitations: Sequence[Excitation], intervals: int) -> PlannedRun:
@@ -265,12 +271,12 @@ def stacked(excitations: Sequence[Excitation], intervals: int) -> PlannedRun:
     """
     each = [
         PlannedRun(
-            voltage=np.pad(one.voltage, [(0, intervals - one.voltage.shape[0]), (0, 0)]),
-            start=np.array(one.start),
-            knock=one.knock,
-            length=float(one.voltage.shape[0]),
+            voltage=np.pad(e.voltage, [(0, intervals - e.voltage.shape[0]), (0, 0)]),
+            start=np.array(e.start),
+            knock=e.knock,
+            length=float(e.voltage.shape[0]),
         )
-        for one in excitations
+        for e in excitations
     ]
     return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
 
@@ -283,7 +289,7 @@ def improved(
     key: PRNGKeyArray,
     iterations: int,
     intervals: int,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Progress = SILENT,
 ) -> list[Excitation]:
     """What Adam's steps make of some excitations, on other robots at every step.
 
@@ -301,8 +307,8 @@ def improved(
     """
     runs = stacked(starts, intervals)
     # The secants go over what the starts leave uncertain.
-    left = _told(rig, starts, rig.draws(key, DRAWS), intervals).units
-    over = jnp.asarray(np.linalg.cholesky(left))
+    uncertain = _expectations(rig, starts, rig.draws(key, DRAWS), intervals).units
+    over = jnp.asarray(np.linalg.cholesky(uncertain))
     limit = float(value(rig.robot, "voltage_limit"))
     base = jnp.arctanh(0.98 * jnp.clip(runs.voltage / limit, -1.0, 1.0))
     spread = jnp.stack([jnp.asarray(_hats(int(n), base.shape[1])) for n in runs.length])
@@ -311,14 +317,15 @@ def improved(
     state = optimiser.init(knots)
     least, best = np.full(len(starts), np.inf), list(starts)
     for number in range(iterations):
-        progress(number / iterations)
+        progress("", number / iterations)
         truths = rig.draws(jax.random.fold_in(key, number), DRAWS)
         given = (runs, base, spread, over)
         slope, cost, voltage = _sloped(rig, criterion, knots, given, truths)
-        for lane, one in enumerate(starts):
+        for lane, start in enumerate(starts):
             if float(cost[lane]) < least[lane]:
                 least[lane] = float(cost[lane])
-                best[lane] = one.replaced(np.asarray(voltage[lane, : one.voltage.shape[0]]))
+                length = start.voltage.shape[0]
+                best[lane] = start.replaced(np.asarray(voltage[lane, :length]))
         slope = jnp.where(jnp.isfinite(slope), slope, 0.0)
         # optax raises a float to the power of an integer count.
         with jax.numpy_dtype_promotion("standard"):
@@ -340,23 +347,23 @@ def _sloped(
     """Slope of the penalised criterion over the knots, it itself, and the voltages."""
     limit = rig.robot.drive.voltage_limit
 
-    def cost(own: Array, run: PlannedRun, base: Array, spread: Array, over: Array) -> tuple:
+    def cost(knots: Array, run: PlannedRun, base: Array, spread: Array, over: Array) -> tuple:
         moves = jnp.any(spread > 0, axis=1)[:, None]
-        voltage = limit * jnp.where(moves, jnp.tanh(base + spread @ own), 0.0)
+        voltage = limit * jnp.where(moves, jnp.tanh(base + spread @ knots), 0.0)
         planned = eqx.tree_at(lambda r: r.voltage, run, voltage)
-        told = jax.vmap(expected_over, in_axes=(None, None, 0, None))(
+        each = jax.vmap(expected_over, in_axes=(None, None, 0, None))(
             rig, planned, truths, over
         )
-        mean = rig.covariance(jnp.mean(told.units, axis=0))
-        total = criterion(mean) + jnp.max(told.beyond) / SOFTNESS
+        mean = rig.covariance(jnp.mean(each.units, axis=0))
+        total = criterion(mean) + jnp.max(each.beyond) / SOFTNESS
         return total, (total, voltage)
 
-    def one(lane: tuple) -> tuple:
+    def sloped(lane: tuple) -> tuple:
         slope, (total, voltage) = jax.grad(cost, has_aux=True)(*lane)
         return slope, total, voltage
 
     # One after the other: what reverse mode keeps of a lane fills the memory as it is.
-    return jax.lax.map(one, (knots, *given))
+    return jax.lax.map(sloped, (knots, *given))
 
 
 def _hats(length: int, intervals: int) -> Float[np.ndarray, "intervals knots"]:

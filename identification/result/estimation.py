@@ -8,7 +8,7 @@ single descent would be simpler, and end in the wrong valley of the vibration's 
 
 import concurrent.futures
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import jax
 import numpy as np
@@ -18,7 +18,6 @@ from identification.campaign.types import Campaign
 from identification.data.circumstances import NAMES, Circumstances
 from identification.fit.comparison import comparisons
 from identification.fit.correction import corrected
-from identification.fit.levenberg_marquardt import Minimum
 from identification.fit.problem import Problem
 from identification.fit.starts import Valley, starts
 from identification.fit.unknowns.options import FitOptions
@@ -27,19 +26,18 @@ from identification.judge.identifiability import identifiability
 from identification.judge.influence import influence, run_normal
 from identification.result.estimate import Estimate, Fit
 from identification.result.fitted_robot import Residual, fitted_robot
+from scdpr_jax.numerics.levenberg_marquardt import Minimum
+from scdpr_jax.numerics.progress import SILENT, Progress
 
 CORRECTIONS = 2
 """How often the coarser grid's own error is taken off, see `identification.fit.correction`."""
-
-Progress = Callable[[str, float], None]
-"""Told what is being done and which share of it is done, 0 to 1."""
 
 
 def estimate(
     campaign: Campaign,
     options: FitOptions | None = None,
     *,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Estimate:
     """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
 
@@ -65,12 +63,12 @@ def estimate(
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # Compiling leaves the interpreter free: the rest comes along meanwhile.
         aside.submit(problem.compile)
-        begun = starts(problem, lambda doing, share: progress(doing, 0.3 * share))
+        begun = starts(problem, progress.part(0.0, 0.3))
     return solve(
         problem,
         begun.points,
         valleys=begun.valleys,
-        progress=lambda doing, share: progress(doing, 0.3 + 0.7 * share),
+        progress=progress.part(0.3, 1.0),
     )
 
 
@@ -79,7 +77,7 @@ def solve(
     points: Sequence[Float[np.ndarray, " n"]],
     *,
     valleys: tuple[Valley, ...] = (),
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Estimate:
     """The estimate that some starts lead to.
 
@@ -97,8 +95,8 @@ def solve(
     """
     ends = []
     for number, start in enumerate(points):
-        report = _report(progress, f"start {number + 1} of {len(points)}", 0.0, 0.6)
-        ends.append(problem.minimise(start, iterations=15, decrement=1.0, report=report))
+        inner = progress.part(0.0, 0.6, f"start {number + 1} of {len(points)}")
+        ends.append(problem.minimise(start, iterations=15, decrement=1.0, progress=inner))
     point, done = min(ends, key=lambda end: end.normal.cost).point, 0
     for number in range(CORRECTIONS):
         # What the coarser grid errs by hardly depends on the point: twice is enough.
@@ -193,13 +191,6 @@ def solved(campaign: Campaign, estimate: Estimate) -> tuple[Problem, Float[np.nd
     problem = Problem.of(campaign, options)
     point = vector(problem, estimate)
     return corrected(problem, point), point
-
-
-def _report(
-    progress: Progress, doing: str, begun: float, share: float
-) -> Callable[[int, float], None]:
-    """Progress of a minimisation, which halves what is left every five evaluations."""
-    return lambda done, cost: progress(doing, begun + share * (1 - 0.5 ** (done / 5)))
 
 
 def _circumstances(

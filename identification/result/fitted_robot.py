@@ -6,7 +6,6 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float
 
-from identification.fit.levenberg_marquardt import Minimum, free_unknowns
 from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums, assemble
 from identification.fit.unknowns.unknowns import PER_SETTING, Unknowns, decode
@@ -17,6 +16,7 @@ from identification.judge.uncertainty import (
     is_untold,
     judge,
 )
+from scdpr_jax.numerics.levenberg_marquardt import Minimum, free_unknowns
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import QUANTITIES, quantity, replace, value

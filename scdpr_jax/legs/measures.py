@@ -10,6 +10,7 @@ takes the mean of eighth order instead.
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from scdpr_jax.engines.closed_loop import ClosedLoop
@@ -27,27 +28,31 @@ _POWER = 8
 class LegMeasures(eqx.Module):
     """What a leg comes to, in numbers."""
 
-    residual_vibration: Float[Array, "..."] = eqx.field(metadata=si("m"))
+    residual_vibration: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
     """Peak to peak of $x_e$ once the commanded reference has ended [m]."""
-    smooth_vibration: Float[Array, "..."] = eqx.field(metadata=si("m"))
+    smooth_vibration: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
     """Its smooth surrogate [m], see `smooth_peak_to_peak`."""
-    resting_error: Float[Array, "..."] = eqx.field(metadata=si("m"))
+    resting_error: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m"))
     """Distance from the last commanded position to where the end-effector rests, on the line
     between the carriages as they are at the last judged sample [m]."""
-    largest_error: Float[Array, "..."] = eqx.field(metadata=si("m", r"\varepsilon_e"))
+    largest_error: Float[Array | np.ndarray, "..."] = eqx.field(
+        metadata=si("m", r"\varepsilon_e")
+    )
     """Largest error against the commanded (shaped) reference, Eq. (26) [m]."""
-    rms_error: Float[Array, "..."] = eqx.field(metadata=si("m", r"\varepsilon_e"))
+    rms_error: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("m", r"\varepsilon_e"))
     """Root mean square of it before the judged samples of rest [m]."""
-    largest_original_error: Float[Array, "..."] = eqx.field(metadata=si("m", r"\varepsilon_e"))
+    largest_original_error: Float[Array | np.ndarray, "..."] = eqx.field(
+        metadata=si("m", r"\varepsilon_e")
+    )
     """Largest error against the reference before shaping, Eq. (26) [m]."""
-    largest_tilt: Float[Array, "..."] = eqx.field(metadata=si("rad", r"\delta_e"))
+    largest_tilt: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("rad", r"\delta_e"))
     """Largest rotation of the end-effector of either sign [rad]."""
-    settling_time: Float[Array, "..."] = eqx.field(metadata=si("s"))
+    settling_time: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("s"))
     """When the end-effector stays within `SETTLED` of the last commanded position [s]; NaN if
     it never does."""
-    largest_voltage: Float[Array, "..."] = eqx.field(metadata=si("V", "V"))
+    largest_voltage: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("V", "V"))
     """Largest command of either drive [V]."""
-    saturation: Float[Array, "..."] = eqx.field(metadata=si("1"))
+    saturation: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("1"))
     """Share of the samples at which a drive is saturated [1]."""
 
 

@@ -85,13 +85,13 @@ def chunks(
     for first in range(0, count, together):
         # All are dispatched before any is waited for.
         begins = range(first, first + together, size)
-        found = [
+        results = [
             _many(function, jax.device_put(_chunk(points, begin, size, count), device))
             for begin, device in zip(begins, used, strict=True)
         ]
         filled = min(together, count - first)
         yield jax.tree.map(
-            lambda *leaves, filled=filled: np.concatenate(leaves)[:filled], *found
+            lambda *leaves, filled=filled: np.concatenate(leaves)[:filled], *results
         )
 
 

@@ -1,4 +1,10 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all.
+
+A fit takes minutes and may be stopped in any of them. A file that is opened and filled would
+be simpler, and half of one looks like a whole to whoever reads it next. So a text goes to a
+scratch file in the same folder, which takes the other's name in one step of the file system;
+in another folder it might be another disk, where a move is a copy.
+"""
 
 import contextlib
 import os

@@ -1,4 +1,10 @@
-"""A scan that remembers little of its steps."""
+"""A scan that remembers little of its steps.
+
+A gradient through a simulation needs what every step went through, last step first. Kept
+whole, that is memory in proportion to all that a step computes; kept at the steps' ends alone
+and computed anew, a little arithmetic in its place. Checkpoints at the square root of the
+steps would need still less memory, which isn't short any more, for a second computation.
+"""
 
 from collections.abc import Callable
 from typing import TypeVar

@@ -1,4 +1,11 @@
-"""Keeping XLA from computing a value anew for each of its uses."""
+"""Keeping XLA's CPU back end from computing a value anew for each of its uses.
+
+A step of the engine is a long chain of cheap scalars, each used several times. XLA fuses a
+cheap value into all of its uses and computes it in each, and a chain of those doubles with
+every link. `jax.lax.optimization_barrier` would say it plainly and is removed before the
+fusion. A division is too dear to be doubled, so what is to be computed once passes through
+one.
+"""
 
 import jax
 import jax.numpy as jnp

@@ -1,4 +1,10 @@
-"""Many computations with one compiled function, in chunks side by side on every core."""
+"""Many computations with one compiled function, in chunks side by side on every core.
+
+A step of the engine is too small for XLA to share it among cores, so each core gets a chunk
+of its own, from a thread of its own. Devices for the cores (see `batches`) would need one
+compilation each and have to be asked for before JAX starts, which a fit can't count on. What
+takes longest is compiling, so chunks are of one size, and the first one is alone.
+"""
 
 import concurrent.futures
 import functools
@@ -40,18 +46,18 @@ def side_by_side(
     count = len(jax.tree.leaves(lanes)[0])
     rows = np.minimum(np.arange(-(-count // size) * size), count - 1).reshape(-1, size)
 
-    def chunk(own: np.ndarray) -> PyTree[np.ndarray]:
-        given = jax.tree.map(lambda leaf: leaf[own], lanes)
-        return jax.tree.map(np.asarray, function(given))
+    def chunk(chosen: np.ndarray) -> PyTree[np.ndarray]:
+        part = jax.tree.map(lambda leaf: leaf[chosen], lanes)
+        return jax.tree.map(np.asarray, function(part))
 
-    found = []
+    results = []
     kind = (program, size, kind_of(jax.tree.map(lambda leaf: leaf[:1], lanes)))
     if kind not in _compiled:
         # Threads that find nothing compiled would all compile it.
-        found, rows = [chunk(rows[0])], rows[1:]
+        results, rows = [chunk(rows[0])], rows[1:]
         _compiled.add(kind)
-    found += _threads().map(chunk, rows)
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves)[:count], *found)
+    results += _threads().map(chunk, rows)
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves)[:count], *results)
 
 
 _compiled: set[Hashable] = set()

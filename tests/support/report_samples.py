@@ -1,5 +1,6 @@
 """Small made-up results for the reports' tests: no fit, numbers known beforehand."""
 
+import jax.numpy as jnp
 import numpy as np
 
 from identification.campaign.faults import Fault
@@ -291,7 +292,7 @@ def tracking_run(*, swing):
         commanded=reference,
         states=State(position, np.zeros((200, 5))),
         voltage=np.zeros((199, 2)),
-        measures=LegMeasures(*np.zeros(10)),
+        measures=LegMeasures(*jnp.zeros(10)),
     )
 
 

@@ -1,9 +1,10 @@
 """The least vibration of the worst models for every move time: the Pareto front of both."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.codesign.models import Models
 from tuning.codesign.search import Designed, co_design
 from tuning.loop.admissible import Admissible
@@ -18,7 +19,7 @@ def front(
     within: Admissible,
     *,
     move_times: Sequence[float],
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> tuple[Designed, ...]:
     """A design for each of some move times, the vibration never rising with the time.
 
@@ -41,6 +42,7 @@ def front(
     times = sorted(move_times)
     limit = float(np.min(models.ensemble.robot.drive.voltage_limit))
     designs: list[Designed] = []
+    count = len(times)
     for number, time in enumerate(times):
         found = co_design(
             models,
@@ -48,7 +50,7 @@ def front(
             move_time=time,
             longest=times[-1],
             begin=designs[-1:],
-            progress=_part(progress, f"{time:.3g} s", number, len(times)),
+            progress=progress.part(number / count, (number + 1) / count, f"{time:.3g} s"),
         )
         if not found.keeps_voltage(limit):
             continue
@@ -96,9 +98,3 @@ def usual_move_times(models: Models, *, count: int) -> tuple[float, ...]:
     quickest = 1.5 * longest / (top_speed * radius)
     times = quickest * np.geomspace(_SHORTEST, _LONGEST, count)
     return tuple(float(np.ceil(20 * time) / 20) for time in times)
-
-
-def _part(
-    progress: Callable[[str, float], None], name: str, number: int, count: int
-) -> Callable[[str, float], None]:
-    return lambda doing, share: progress(f"{name}: {doing}", (number + share) / count)

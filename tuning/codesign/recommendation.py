@@ -1,11 +1,12 @@
 """The design to recommend, the front that it is of, and what stands beside it."""
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
 
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
 from tuning.codesign.front import front, knee, usual_move_times
 from tuning.codesign.models import Models, models
@@ -94,7 +95,7 @@ def recommend(
     *,
     drawn: Sequence[Robot],
     unseen: Sequence[Robot],
-    progress: Callable[[str, float], None] = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> CoDesign:
     """A front of designs for robots as they might be, and the one to take.
 
@@ -123,7 +124,7 @@ def recommend(
         seen,
         within,
         move_times=times,
-        progress=lambda doing, share: progress(doing, 0.03 + 0.77 * share),
+        progress=progress.part(0.03, 0.8),
     )
     chosen, longest = knee(designs), max(times)
     progress("what it is compared with", 0.8)

@@ -21,6 +21,7 @@ from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.legs.command_law import unshaped as no_shaper
 from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.linear.modes import held_frequency
+from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.codesign.models import Models
 from tuning.codesign.outcomes import Command, Grid, Outcome, grid, linearise, run
 from tuning.codesign.tail import descend, value_at_risk
@@ -45,8 +46,6 @@ _WISH = (60.0, np.deg2rad(60.0))
 """Crossover and phase margin of a bare drive that a search starts with, or what comes nearest
 to them within the bounds [rad/s, rad]; Eq. (25) has 40 rad/s."""
 
-Progress = Callable[[str, float], None]
-
 
 class _Start(NamedTuple):
     """Where a descent may start."""
@@ -57,7 +56,7 @@ class _Start(NamedTuple):
     """The flat unknowns of nearly the same one."""
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Designed:
     """A design and what it comes to."""
 
@@ -69,6 +68,16 @@ class Designed:
     """What every model comes to under it, at the controllers' own rate."""
     point: Float[np.ndarray, " n"] | None = None
     """Its flat unknowns, where a descent ended in it."""
+
+    def __repr__(self) -> str:
+        controller = self.law.controller
+        return (
+            f"Designed: moves of {self.move_time:.4g} s, PD of "
+            f"{float(controller.proportional_gain):.4g} V/rad and "
+            f"{float(controller.derivative_gain):.4g} V s/rad, "
+            f"{self.law.shaper.times.size} impulses; worst tenth vibrates "
+            f"{1e3 * self.vibration:.3g} mm"
+        )
 
     @property
     def measures(self) -> LegMeasures:
@@ -104,7 +113,7 @@ def co_design(
     move_time: float,
     longest: float | None = None,
     begin: Sequence[Designed] = (),
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Designed:
     """The design that is best for the worst of many models.
 
@@ -134,23 +143,23 @@ def co_design(
     )
     ended = []
     for number, (_, point) in enumerate(starts[:_STARTS]):
-        told = _within(progress, "co-design: a few models", 0.1 + 0.2 * number, 0.2)
+        begun = 0.1 + 0.2 * number
         ended.append(
             descend(
                 *objective.of(few),
                 point,
                 share=_FEW_SHARE,
                 iterations=_STEPS,
-                progress=told,
+                progress=progress.part(begun, begun + 0.2, "co-design: a few models"),
             )
         )
-    best = min(ended, key=lambda one: one.value).point
+    best = min(ended, key=lambda one: one.normal.cost).point
     last = descend(
         *objective.of(models),
         best,
         share=SHARE,
         iterations=_LAST_STEPS,
-        progress=_within(progress, "co-design: all models", 0.5, 0.4),
+        progress=progress.part(0.5, 0.9, "co-design: all models"),
     )
     progress("co-design: at the controllers' rate", 0.9)
     ends = (_Start(objective.law(jnp.asarray(last.point)), last.point), starts[0])
@@ -368,9 +377,3 @@ def _ranked(few: Models, on: Grid, starts: Sequence[_Start]) -> list[_Start]:
         for one in starts
     ]
     return [starts[number] for number in np.argsort(values, kind="stable")]
-
-
-def _within(
-    progress: Progress, doing: str, begun: float, share: float
-) -> Callable[[float], None]:
-    return lambda done: progress(doing, begun + share * done)

@@ -1,4 +1,4 @@
-r"""Levenberg and Marquardt's method for the worst of many sums of squares.
+r"""The worst of many sums of squares, as a merit for Levenberg and Marquardt's method.
 
 What falls is the conditional value at risk of the models' costs, the mean of the worst share
 $\beta$ of them:
@@ -6,22 +6,30 @@ $\beta$ of them:
 $$ \mathrm{CVaR}_\beta(c) = \frac{1}{m} \sum_{i \le m} c_{(i)}, \qquad
    c_i = |r_i|^2, \quad m = \lceil \beta n \rceil $$
 
-Its gradient is that of the tail alone, so that only the tail's Jacobians are needed, and
-near a point where the tail changes it is as smooth as the models are many.
+Its gradient is that of the tail alone, so that only the tail's Jacobians are needed, and those
+only where a step goes on. Near a point where the tail changes the merit is as smooth as the
+models are many. The worst model alone would be simpler to say and has a kink wherever another
+one takes its place; the mean of all lets a few robots vibrate.
 
 Reference: R. T. Rockafellar, S. Uryasev, "Optimization of conditional value-at-risk",
 J. Risk 2(3), 2000, doi:10.21314/JOR.2000.038.
 """
 
+import functools
 import math
 from collections.abc import Callable
-from typing import NamedTuple
 
+import equinox as eqx
 import numpy as np
 from jaxtyping import Float, Int
 
-_FIRST_DAMPING = 1e-2
-_RAISES = 6
+from scdpr_jax.numerics.levenberg_marquardt import Damping, Minimum, Stopping, minimise
+from scdpr_jax.numerics.merit import Merit
+from scdpr_jax.numerics.progress import SILENT, Progress
+
+_DAMPING = Damping(first=1e-2, fall=4.0, rise=6.0, least=1e-6, floor=1e-6)
+"""Damping of a descent; the floor is for unknowns that move almost nothing."""
+_REJECTIONS = 6
 """Dampings that are tried before a point counts as a minimum, or as a kink."""
 
 Costs = Callable[[Float[np.ndarray, " n"]], Float[np.ndarray, " models"]]
@@ -33,15 +41,34 @@ Linearised = Callable[
 """From a point and some of the models to their residuals and Jacobians."""
 
 
-class Descent(NamedTuple):
-    """Where a descent ended."""
+class Tail(Merit):
+    """The worst models at a point; their Jacobians are made when they are asked for."""
 
-    point: Float[np.ndarray, " n"]
-    """The point."""
-    value: float
-    """Mean cost of the tail there [1]."""
-    history: tuple[float, ...]
-    """That mean at the start and after each step [1]."""
+    cost: float
+    """Mean cost of the tail [1]."""
+    rows: Int[np.ndarray, " tail"]
+    """The models in it."""
+    linearised: Callable[
+        [Int[np.ndarray, " tail"]],
+        tuple[Float[np.ndarray, "tail residuals"], Float[np.ndarray, "tail residuals n"]],
+    ] = eqx.field(static=True)
+    """Residuals and Jacobians of some models at the point."""
+
+    @functools.cached_property
+    def _model(self) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
+        residuals, jacobian = self.linearised(self.rows)
+        gradient = np.einsum("ija,ij->a", jacobian, residuals) / len(residuals)
+        return gradient, np.einsum("ija,ijb->ab", jacobian, jacobian) / len(residuals)
+
+    @property
+    def gradient(self) -> Float[np.ndarray, " n"]:
+        """Mean of the tail's $J^T r$."""
+        return self._model[0]
+
+    @property
+    def matrix(self) -> Float[np.ndarray, "n n"]:
+        """Mean of the tail's $J^T J$."""
+        return self._model[1]
 
 
 def tail_of(costs: Float[np.ndarray, " models"], share: float) -> Int[np.ndarray, " tail"]:
@@ -79,8 +106,8 @@ def descend(
     share: float,
     iterations: int,
     tolerance: float = 5e-3,
-    progress: Callable[[float], None] = lambda share: None,
-) -> Descent:
+    progress: Progress = SILENT,
+) -> Minimum[Tail]:
     """A point from which the tail's mean no longer falls.
 
     Args:
@@ -95,27 +122,14 @@ def descend(
     Returns:
         The best point seen, the start at the worst.
     """
-    each, damping = costs(point), _FIRST_DAMPING
-    history = [value_at_risk(each, share)]
-    for iteration in range(iterations):
-        progress(iteration / iterations)
-        residuals, jacobian = linearised(point, tail_of(each, share))
-        normal = np.einsum("ija,ijb->ab", jacobian, jacobian) / len(residuals)
-        slope = np.einsum("ija,ij->a", jacobian, residuals) / len(residuals)
-        # A direction that moves nothing keeps a little damping of its own.
-        scale = np.diag(normal) + 1e-6 * np.trace(normal)
-        for _ in range(_RAISES):
-            tried = point - np.linalg.solve(normal + damping * np.diag(scale), slope)
-            found = costs(tried)
-            least = value_at_risk(found, share)
-            if least < history[-1]:
-                break
-            damping *= 6
-        else:
-            break
-        saved = history[-1] - least
-        point, each, damping = tried, found, max(damping / 4, 1e-6)
-        history.append(least)
-        if saved < tolerance * least:
-            break
-    return Descent(point, history[-1], tuple(history))
+
+    def tail(at: Float[np.ndarray, " n"]) -> Tail:
+        each = costs(at)
+        return Tail(
+            value_at_risk(each, share),
+            tail_of(each, share),
+            functools.partial(linearised, at),
+        )
+
+    stopping = Stopping(steps=iterations, rejections=_REJECTIONS, saving=tolerance, share=0.0)
+    return minimise(tail, point, stopping=stopping, damping=_DAMPING, progress=progress)

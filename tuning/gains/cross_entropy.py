@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from scdpr_jax.numerics.progress import SILENT, Progress
+
 
 class Search(NamedTuple):
     """A normal distribution over flat designs, and the best design seen."""
@@ -33,7 +35,7 @@ def cross_entropy(
     population: int,
     generations: int,
     seed: int,
-    progress: Callable[[float], None],
+    progress: Progress = SILENT,
 ) -> Search:
     """The best of some generations.
 
@@ -52,7 +54,7 @@ def cross_entropy(
     search = Search(start, spread, start, np.inf)
     random = np.random.default_rng(seed)
     for generation in range(generations):
-        progress(generation / generations)
+        progress("", generation / generations)
         designs = random.multivariate_normal(search.mean, search.spread, population)
         designs[0] = search.best
         search = _learn(search, designs, losses(designs))

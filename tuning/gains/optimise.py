@@ -26,6 +26,7 @@ from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.legs.command_law import unshaped
 from scdpr_jax.legs.ensemble import Variation, varied
 from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.gains.cross_entropy import cross_entropy
 from tuning.gains.design import IMPULSES, controller_of, middle, shaper_of, spread_of
 from tuning.gains.loss import loss
@@ -50,9 +51,6 @@ VARIATIONS = tuple(
     for share, weight in ((1.0, 0.5), (0.99, 0.25), (1.01, 0.25))
 )
 """Robots that a design is tried on, the first as fitted."""
-
-Progress = Callable[[str, float], None]
-"""Told what is being done and which share of it is done, 0 to 1."""
 
 
 class Effort(NamedTuple):
@@ -87,7 +85,7 @@ def optimise(
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     seed: int = 0,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Optimum:
     """Gains and a shaper for a cell, through the simulated closed loop.
 
@@ -132,7 +130,7 @@ def optimise(
         population=effort.population,
         generations=effort.generations,
         seed=seed,
-        progress=lambda share: progress("gains and shaper: search", share),
+        progress=progress.part(0.0, 1.0, "gains and shaper: search"),
     )
     best, least = search.best, search.loss
     if effort.descents:

@@ -11,6 +11,7 @@ from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
 from scdpr_jax.legs.command_law import unshaped
 from scdpr_jax.legs.ensemble import single
 from scdpr_jax.legs.leg import Leg
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot, exact
 from tuning.gains.design import IMPULSES
@@ -24,7 +25,7 @@ from tuning.gains.manoeuvre import (
     samples_for,
     track,
 )
-from tuning.gains.optimise import LEG_TIMES, Effort, Progress, optimise
+from tuning.gains.optimise import LEG_TIMES, Effort, optimise
 from tuning.loop.admissible import admissible
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import MotorPlant
@@ -74,7 +75,7 @@ def tune(
     *,
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Tuning:
     """Gains for the robot and a shaper for every region of its workspace.
 
@@ -116,7 +117,7 @@ def tune(
         within,
         leg_times=leg_times,
         effort=effort,
-        progress=lambda doing, share: progress(doing, 0.8 * share),
+        progress=progress.part(0.0, 0.8),
     )
     shapers = []
     for number, s in enumerate(settings):

@@ -19,9 +19,11 @@ from jaxtyping import Float
 from scdpr_jax.command.controller import PD
 from scdpr_jax.engines.closed_loop import joint_references
 from scdpr_jax.legs.ensemble import Variation, single, varied
+from scdpr_jax.numerics.levenberg_marquardt import Damping, Stopping, minimise
+from scdpr_jax.numerics.merit import SumOfSquares
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.grid import REST, grid, led
-from tuning.plan.least_squares import Linearisation, least_squares
 from tuning.plan.outcome import (
     Outcome,
     Pairs,
@@ -54,7 +56,12 @@ VARIATIONS = (
 """Robots and starts that a plan is made for: the fitted one, tensions and friction forces
 about it, and starts that friction holds out of line."""
 
-Progress = Callable[[str, float], None]
+_DAMPING = Damping(fall=5.0, rise=4.0, floor=1e-9)
+"""Damping of a search; the floor is for splines that move almost nothing."""
+_REJECTIONS = 8
+"""Dampings that are tried before a point counts as a minimum, or as a kink."""
+_SAVING = 1e-3
+"""Share of the misfit that a step has to save for the search to go on [1]."""
 
 
 def plan_leg(
@@ -65,7 +72,7 @@ def plan_leg(
     *,
     leg_time: float | None = None,
     iterations: int = 30,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> Plan:
     """The motion of one leg from rest to rest.
 
@@ -112,29 +119,32 @@ def _search(
     on = grid(start, end, pace=pace, steps=steps, hold=round(HOLD / leg_time * steps))
     robots = varied(robot, VARIATIONS, start)
 
-    def towards(goal: _Goal, point: Float[np.ndarray, " n"]) -> Linearisation:
+    def misfit(goal: _Goal, point: Float[np.ndarray, " n"]) -> SumOfSquares:
         both = linearised(robots, controller, on, jnp.asarray(point), holding=holding)
         value, slope = jax.tree.map(np.asarray, both)
         pairs = [part for each in (common, goal) for part in each(value, slope, robots.weight)]
         pairs.append(roughness(point))
-        return (
+        return SumOfSquares(
             np.concatenate([part.reshape(-1) for part, _ in pairs]),
             np.concatenate([part.reshape(-1, point.size) for _, part in pairs]),
         )
 
+    stopping = Stopping(steps=iterations, rejections=_REJECTIONS, saving=_SAVING, share=0.0)
     plain = np.zeros(on.basis[0].value.shape[1])
     progress("compiling, or from the cache", 0.0)
-    guess = least_squares(
-        functools.partial(towards, arriving),
+    guess = minimise(
+        functools.partial(misfit, arriving),
         plain,
-        iterations=iterations,
-        progress=lambda share: progress("a first guess", 0.1 + 0.3 * share),
+        stopping=stopping,
+        damping=_DAMPING,
+        progress=progress.part(0.1, 0.4, "a first guess"),
     ).point
-    return least_squares(
-        functools.partial(towards, resting),
+    return minimise(
+        functools.partial(misfit, resting),
         guess,
-        iterations=iterations,
-        progress=lambda share: progress("motion", 0.4 + 0.5 * share),
+        stopping=stopping,
+        damping=_DAMPING,
+        progress=progress.part(0.4, 0.9, "motion"),
     ).point
 
 

@@ -1,19 +1,17 @@
 """A shaper for a measured spectrum, beside every shaper of the catalogue."""
 
 import dataclasses
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.shapers.catalogue import CATALOGUE
 from tuning.shapers.comparison import Fitted, fitted, pick
 from tuning.shapers.design import Design, least_duration, least_residual
 from tuning.shapers.design.positive import NOTHING_LEFT
 from tuning.shapers.spectrum import DAMPING_RATIOS, Spectrum, vibration_left
-
-Progress = Callable[[str, float], None]
 
 _FRONT = 10
 """Designs between the catalogue's shortest shaper and the shortest that leaves nothing."""
@@ -57,7 +55,7 @@ def design_for_spectrum(
     damping_ratios: tuple[float, ...] = DAMPING_RATIOS,
     max_duration: float | None = None,
     max_vibration: float | None = None,
-    progress: Progress = lambda doing, share: None,
+    progress: Progress = SILENT,
 ) -> SpectrumDesign:
     """The best shapers of positive impulses for a measured spectrum.
 

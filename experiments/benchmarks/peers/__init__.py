@@ -1,1 +1,1 @@
-"""What is measured beside each other."""
+"""Engines that the same problem is given to: ours, diffrax, scipy and MuJoCo."""

@@ -1,1 +1,1 @@
-"""The main job."""
+"""The verbs of the main job: demo, check and calibrate."""

@@ -2,7 +2,7 @@
 
 import pathlib
 
-from experiments.runtime import set_up, shown_progress, stage
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, plan_call, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE
 from experiments.verbs.places import require_outside
@@ -59,7 +59,7 @@ def calibrate(
             hold_out=hold_out,
             measured=otherwise,
             clock_drifts=camera_drifts,
-            progress=stage(progress, 0.0, 0.93),
+            progress=progress.part(0.0, 0.93),
         )
         progress("report", 0.93)
         written = write_calibration(findings, out)

@@ -2,7 +2,7 @@
 
 import pathlib
 
-from experiments.runtime import set_up, shown_progress, stage
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 
@@ -31,7 +31,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         )
     with shown_progress(ERRORS) as progress:
         truth = rig.draw_truth(seed)
-        made = rig.campaign(truth, seed, progress=stage(progress, 0.0, 0.2))
+        made = rig.campaign(truth, seed, progress=progress.part(0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)
         write_campaign(made.with_runs(rig.DEMONSTRATED), logs)
         # One leg time and no descent: a demonstration has to be quick.
@@ -39,7 +39,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             read_campaign(logs),
             leg_times=LEG_TIMES[:1],
             effort=Effort(descents=0),
-            progress=stage(progress, 0.2, 0.95),
+            progress=progress.part(0.2, 0.95),
         )
         progress("report", 0.95)
         written = write_calibration(findings, out, truth=truth.values)

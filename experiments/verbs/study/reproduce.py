@@ -5,7 +5,7 @@ from typing import Annotated
 
 import tyro
 
-from experiments.runtime import set_up, shown_progress, stage
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 
@@ -31,7 +31,7 @@ def reproduce(
 
     sections = chosen(names)
     with shown_progress(ERRORS) as progress:
-        computing = stage(progress, 0.0, 0.98)
+        computing = progress.part(0.0, 0.98)
         if png:
             found = report.reproduce(sections, computing, keep=report.png_files(out))
         else:

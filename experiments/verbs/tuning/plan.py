@@ -5,7 +5,7 @@ from typing import Annotated
 
 import tyro
 
-from experiments.runtime import set_up, shown_progress, stage
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.exit_status import DONE
 
@@ -71,7 +71,7 @@ def plan(
             start,
             end,
             leg_time=seconds,
-            progress=stage(progress, 0.0, 0.9),
+            progress=progress.part(0.0, 0.9),
         )
         progress("the leg beside the PD of Eq. (25) alone", 0.9)
         compared = compare(robot, tuned.controller, planned)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float64
 
-from identification.campaign.notes.note import Note, Observation, known, share
+from identification.campaign.notes.note import Note, Observation, rig_value, share
 from identification.campaign.read import RUN_FILE
 from identification.campaign.streams import CAMERA_FILE
 from identification.campaign.types import Campaign, Run
@@ -86,7 +86,7 @@ def _clock(run: Run, campaign: Campaign) -> Iterator[Note]:
 def _pose(run: Run, campaign: Campaign) -> Iterator[Note]:
     if run.camera is None:
         return
-    size = [known(name, campaign) for name in ("frame_width", "frame_height")]
+    size = [rig_value(name, campaign) for name in ("frame_width", "frame_height")]
     position = run.camera.pose
     outside = ((position < 0) | (position > np.array(size))).any(axis=1)
     if outside.any():

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float64
 
-from identification.campaign.notes.note import Note, Observation, known, share
+from identification.campaign.notes.note import Note, Observation, rig_value, share
 from identification.campaign.read import RUN_FILE
 from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
 from identification.campaign.types import Campaign, Run, encoder_resolution
@@ -42,7 +42,7 @@ def _sampling(run: Run, campaign: Campaign) -> Iterator[Note]:
 
 
 def _voltage_limit(run: Run, campaign: Campaign) -> Iterator[Note]:
-    limit = known("voltage_limit", campaign)
+    limit = rig_value("voltage_limit", campaign)
     largest = np.abs(run.drive.voltage).max(axis=1)
     # A thousandth of the limit: a logger's last digit, and half a count of 11 bits.
     beyond, clipped = largest > limit * 1.001, largest >= limit * 0.999

@@ -45,7 +45,7 @@ def share(flags: Bool[np.ndarray, " _"]) -> str:
     return f"{100 * float(np.mean(flags)):.2g} %"
 
 
-def known(name: str, campaign: Campaign) -> float:
+def rig_value(name: str, campaign: Campaign) -> float:
     """A quantity of the robot: the campaign's, or else that of the paper's rig.
 
     Args:

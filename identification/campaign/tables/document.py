@@ -50,20 +50,20 @@ def row_of(text: str, path: Sequence[str]) -> int | None:
         The line from 1: the key's, its table's if the key isn't there, or None.
     """
     table = ""
-    found = None
+    table_line = None
     for number, line in enumerate(text.splitlines(), start=1):
         heading = _TABLE.match(line)
         if heading is not None:
             table = heading[1]
             if table == ".".join(path[:-1]):
-                found = number
+                table_line = number
             if table == ".".join(path):
                 return number
         elif table == ".".join(path[:-1]):
             name = line.partition("=")[0].strip().strip("\"'")
             if name == path[-1]:
                 return number
-    return found
+    return table_line
 
 
 def _syntax(text: str, error: Exception, file: str) -> Fault:

@@ -26,23 +26,23 @@ class Header:
 
 
 def read_header(
-    cells: Sequence[str], known: Sequence[Column], *, file: str
+    cells: Sequence[str], expected: Sequence[Column], *, file: str
 ) -> tuple[Header, tuple[Fault, ...]]:
     """What stands in which column.
 
     Args:
         cells: The header's cells as they are written.
-        known: The columns that the stream may have.
+        expected: The columns that the stream may have.
         file: The file, relative to the campaign's folder.
 
     Returns:
         The header, and what is wrong with it.
     """
     cells = tuple(cell.strip() for cell in cells)
-    misfit = _no_header(cells, known, file)
+    misfit = _no_header(cells, expected, file)
     if misfit is not None:
         return Header(cells, {}, {}, ()), (misfit,)
-    columns = {column.name: column for column in known}
+    columns = {column.name: column for column in expected}
     scales, names, extra, seen = {}, {}, [], set()
     faults: list[Fault] = []
     for place, cell in enumerate(cells):
@@ -62,13 +62,13 @@ def read_header(
             faults.append(_unknown_unit(cell, unit, columns[name], file))
         else:
             scales[place], names[place] = columns[name].units[unit], name
-    faults.extend(_missing(known, seen, cells, file))
+    faults.extend(_missing(expected, seen, cells, file))
     return Header(cells, scales, names, tuple(extra)), tuple(faults)
 
 
-def _no_header(cells: tuple[str, ...], known: Sequence[Column], file: str) -> Fault | None:
+def _no_header(cells: tuple[str, ...], expected: Sequence[Column], file: str) -> Fault | None:
     """The fault of a first row that is no header of this format at all."""
-    example = ",".join(column.header for column in known if not column.partner)
+    example = ",".join(column.header for column in expected if not column.partner)
     for mark, word in ((";", "semicolons"), ("\t", "tabulators")):
         if len(cells) == 1 and mark in cells[0]:
             return Fault(
@@ -152,13 +152,13 @@ def _unknown_unit(cell: str, unit: str, column: Column, file: str) -> Fault:
 
 
 def _missing(
-    known: Sequence[Column], seen: set[str], cells: tuple[str, ...], file: str
+    expected: Sequence[Column], seen: set[str], cells: tuple[str, ...], file: str
 ) -> Iterator[Fault]:
-    for column in known:
+    for column in expected:
         needed = not column.partner or column.partner in seen
         if column.name in seen or not needed:
             continue
-        unclaimed = seen - {other.name for other in known}
+        unclaimed = seen - {other.name for other in expected}
         near = difflib.get_close_matches(column.name, sorted(unclaimed), n=1)
         if near:
             remedy = f'Is it "{near[0]}"? Then rename that to "{column.header}".'

@@ -33,13 +33,13 @@ class Table:
 
 
 def read_table(
-    path: Path, known: Sequence[Column], *, file: str, may_be_empty: bool
+    path: Path, expected: Sequence[Column], *, file: str, may_be_empty: bool
 ) -> tuple[Table | None, tuple[Fault, ...]]:
     """A stream's columns in SI units, and what is wrong with them.
 
     Args:
         path: The CSV file.
-        known: The columns that the stream may have, time among them as `t`.
+        expected: The columns that the stream may have, time among them as `t`.
         file: The file, relative to the campaign's folder.
         may_be_empty: Whether a cell other than time's may be empty.
 
@@ -52,7 +52,7 @@ def read_table(
     rows, broken = _rows(text, file)
     if not rows:
         return None, (broken or _empty(file),)
-    header, faults = read_header(rows[0].cells, known, file=file)
+    header, faults = read_header(rows[0].cells, expected, file=file)
     body = rows[1:]
     if len(body) < 2 and broken is None:
         return None, listed([*faults, _too_short(body, file)], file=file)
@@ -63,8 +63,8 @@ def read_table(
         if table is not None:
             return table, ()
     cells = CellFaults(header, file, may_be_empty=may_be_empty)
-    found = itertools.chain(faults, cells.of(body), [broken] if broken else [])
-    return None, listed(found, file=file)
+    every_fault = itertools.chain(faults, cells.of(body), [broken] if broken else [])
+    return None, listed(every_fault, file=file)
 
 
 def _rows(text: str, file: str) -> tuple[list[Row], Fault | None]:

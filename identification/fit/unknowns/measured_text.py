@@ -46,9 +46,9 @@ def parse_measured(text: str) -> Measured:
     if match is None:
         raise _fault("can't be read", text)
     name, places = match["name"], [p for p in (match["places"] or "").split(",") if p.strip()]
-    unit, wanted = _expected(name, text)
-    if len(places) != wanted:
-        expected = ("nothing", "a pretension", "a pretension and a height")[wanted]
+    unit, count = _expected(name, text)
+    if len(places) != count:
+        expected = ("nothing", "a pretension", "a pretension and a height")[count]
         raise _fault(f"needs {expected} after `at`", text)
     number, sigma = (
         parse_quantity(match[part], unit=unit, name=f"{part} of {name}")
@@ -72,9 +72,9 @@ def _expected(name: str, text: str) -> tuple[str, int]:
         return "Hz", 2
     if name == BREAKAWAY:
         return "V", 1
-    known = [one.name for one in EVERY_QUANTITY]
-    if name not in known:
-        near = difflib.get_close_matches(name, [*known, FREQUENCY, BREAKAWAY], n=1)
+    names = [kind.name for kind in EVERY_QUANTITY]
+    if name not in names:
+        near = difflib.get_close_matches(name, [*names, FREQUENCY, BREAKAWAY], n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
         raise _fault(f"names no quantity{hint}", text)
     return quantity(name).unit, int(name == PER_SETTING)

@@ -21,6 +21,7 @@ from experiments.paper.topics.explanation.numbers import (
 )
 from experiments.verbs.exit_status import BAD_INPUT
 from scdpr_jax.linear.modes import BOTH_HELD, PRINTED
+from scdpr_jax.numerics.progress import Progress
 
 ROOT = pathlib.Path(__file__).parents[3]
 ERRATA = (ROOT / "docs" / "errata.md").read_text(encoding="utf-8")
@@ -157,9 +158,8 @@ def test_no_name_asks_for_everything():
 @pytest.fixture(scope="module")
 def table1(tmp_path_factory):
     told = []
-    found = report.reproduce(
-        chosen(["table1", "contradictions"]), lambda doing, share: told.append((doing, share))
-    )
+    progress = Progress(lambda doing, share: told.append((doing, share)))
+    found = report.reproduce(chosen(["table1", "contradictions"]), progress)
     files = report.write(found, tmp_path_factory.mktemp("out"))
     return found, files, told
 

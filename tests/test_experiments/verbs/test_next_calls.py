@@ -16,6 +16,7 @@ from experiments.studies.findings import findings
 from experiments.studies.findings.tuning import tuning_findings
 from experiments.verbs.main import calibrate
 from identification import campaign as logs
+from scdpr_jax.numerics.progress import SILENT
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from tuning.result.tuning import FittedSetting
@@ -43,7 +44,7 @@ def calls(monkeypatch, tmp_path, capsys, request):
     monkeypatch.setattr(
         calibrate,
         "shown_progress",
-        lambda console: contextlib.nullcontext(lambda doing, share: None),
+        lambda console: contextlib.nullcontext(SILENT),
     )
     monkeypatch.setattr(logs, "read_campaign", lambda *path, **options: made.campaign)
     monkeypatch.setattr(pipeline, "calibrate", lambda *campaign, **options: made)

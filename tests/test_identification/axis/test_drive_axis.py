@@ -95,6 +95,18 @@ def test_the_starts_that_it_finds_itself_lead_to_the_same_minimum(recoveries):
     assert own.converged
 
 
+def test_a_start_that_cannot_be_simulated_leaves_the_others_alone():
+    spoilt = np.stack([np.full(4, np.inf), 0.8 * TRUTH])
+    found = estimate_drive_axis(synthetic(0), gain=GAIN, starts=spoilt)
+    alone = estimate_drive_axis(synthetic(0), gain=GAIN, starts=spoilt[1:])
+    np.testing.assert_array_equal(values(found.parameters), values(alone.parameters))
+
+
+def test_starts_that_are_all_impossible_are_an_error():
+    with pytest.raises(ValueError, match="finite at none of the 1 starts"):
+        estimate_drive_axis(synthetic(0), gain=GAIN, starts=np.full((1, 4), np.inf))
+
+
 def test_inverse_dynamics_comes_near_the_truth():
     guess = inverse_dynamics(synthetic(0, sigma=1e-6), gain=GAIN, half_window=3)
     # A start: cubics over 140 ms take the corners of the friction for viscous force.

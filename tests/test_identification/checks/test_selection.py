@@ -3,8 +3,8 @@ import pytest
 
 from experiments.virtual_rig import recovery
 from identification.checks.selection import _choice, _score, select
-from identification.fit.levenberg_marquardt import Normal
 from identification.fit.unknowns.models import Model
+from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.quantities import replace
 
 

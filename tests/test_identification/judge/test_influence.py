@@ -5,7 +5,6 @@ import pytest
 
 from experiments.virtual_rig import recovery
 from identification.checks.leave_out import without_each_run
-from identification.fit.levenberg_marquardt import Normal
 from identification.fit.run_sums import RunSums
 from identification.judge.influence import (
     FEWEST,
@@ -17,6 +16,7 @@ from identification.judge.influence import (
 )
 from identification.judge.uncertainty import ParameterEstimate
 from identification.result.estimation import estimate
+from scdpr_jax.numerics.merit import Normal
 
 NAMES = ("friction_coefficient", "drive_friction", "lower_carriage_damping")
 FREE = np.full(3, -np.inf)

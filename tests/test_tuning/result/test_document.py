@@ -41,6 +41,14 @@ def test_a_tuning_that_is_written_and_read_is_the_same(tuning, tmp_path):
     assert tuning_document(again) == tuning_document(tuning)
 
 
+def test_a_tuning_says_in_a_few_lines_what_it_holds(tuning):
+    lines = repr(tuning).splitlines()
+    assert lines[0] == "Tuning: PD of 36.39 V/rad and 0.7162 V s/rad at 1000 Hz"
+    assert lines[1] == "  shapers for 1 regions, 1 of them measured; settings: 350 N"
+    assert lines[2] == "  horizontal: vibration 5 mm before, 5 mm after"
+    assert lines[3:] == ["  A note."]
+
+
 def test_the_robot_that_is_read_is_the_one_that_was_fitted(tuning, tmp_path):
     fitted = consistent()
     for share, one in enumerate(EVERY_QUANTITY, start=2):

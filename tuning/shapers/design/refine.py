@@ -5,18 +5,20 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.numerics.trust_region import TrustRegion, descend
 from tuning.shapers.design.criterion import Criterion, phasors
 from tuning.shapers.design.minimax import Minimax, minimise
 
 IMPULSES = 8
 """Impulses that a refinement has room for: more than a spread needs."""
-_STEPS = 14
-_FIRST_MOVE = 0.03
-_LEAST_MOVE = 1e-6
+_REGION = TrustRegion(steps=14, worthwhile=1e-6)
+"""Moves are shares of the duration [1]."""
 _LEAST_GAP = 1e-9
 _RELATIVE_GAP = 1e-4
-_WORTH_IT = 1e-6
 _NOTHING = 1e-7
+
+_Impulses = tuple[Float[Array, " impulses"], Float[Array, " impulses"]]
+"""Instants [s] and amplitudes [1]."""
 
 
 def refined(criterion: Criterion, shaper: Shaper) -> Shaper:
@@ -36,28 +38,19 @@ def refined(criterion: Criterion, shaper: Shaper) -> Shaper:
     """
     if shaper.times.size > IMPULSES:
         return shaper
-    times, amplitudes = _padded(shaper)
-    end = shaper.duration
-    move, left = jnp.asarray(_FIRST_MOVE), float(criterion(shaper))
-    for _ in range(_STEPS):
-        if left == 0 or move < _LEAST_MOVE:
-            break
-        gap = jnp.asarray(max(_LEAST_GAP, _RELATIVE_GAP * left))
-        tried = _step(criterion, times, amplitudes, end, move, gap)
-        value = float(tried[2])
-        if value < left:
-            gained = left - value
-            times, amplitudes, left = tried[0], tried[1], value
-            move = 2 * move
-            if gained < _WORTH_IT * left:
-                break
-        else:
-            move = move / 4
-    better = _cleaned(times, amplitudes)
-    return better if float(criterion(better)) < float(criterion(shaper)) else shaper
+
+    def step(place: _Impulses, value: float, move: float) -> tuple[_Impulses, float]:
+        gap = jnp.asarray(max(_LEAST_GAP, _RELATIVE_GAP * value))
+        moved = _step(criterion, *place, shaper.duration, jnp.asarray(move), gap)
+        return moved[:2], float(moved[2])
+
+    value = float(criterion(shaper))
+    place, _ = descend(step, _padded(shaper), value, region=_REGION)
+    better = _cleaned(*place)
+    return better if float(criterion(better)) < value else shaper
 
 
-def _padded(shaper: Shaper) -> tuple[Float[Array, " impulses"], Float[Array, " impulses"]]:
+def _padded(shaper: Shaper) -> _Impulses:
     """Room for all impulses, so that one compilation serves; idle ones stand at the start."""
     idle = jnp.zeros(IMPULSES - shaper.times.size, shaper.times.dtype)
     return (

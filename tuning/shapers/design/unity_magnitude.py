@@ -7,13 +7,13 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.numerics.trust_region import TrustRegion, descend
 from tuning.shapers.catalogue import UNITY_MAGNITUDE
 from tuning.shapers.design.criterion import Criterion, phasors
 from tuning.shapers.design.minimax import Minimax, minimise
 
-_STEPS = 25
-_FIRST_MOVE = 0.03
-_LEAST_MOVE = 1e-6
+_REGION = TrustRegion(steps=25)
+"""Moves are shares of the duration [1]."""
 _CLOSEST = 1e-3
 """Two impulses stay this much of the duration apart: opposite ones would vanish."""
 
@@ -52,18 +52,12 @@ def least_unity_residual(
 
 
 def _descended(criterion: Criterion, shaper: Shaper) -> Shaper:
-    times, end = shaper.times, shaper.duration
-    move, left = _FIRST_MOVE, float(criterion(shaper))
-    for _ in range(_STEPS):
-        if move < _LEAST_MOVE:
-            break
-        tried = _moved(criterion, times, shaper.amplitudes, end, jnp.asarray(move))
-        value = float(criterion(Shaper(tried, shaper.amplitudes)))
-        if value < left:
-            times, left, move = tried, value, 2 * move
-        else:
-            move = move / 4
-    return Shaper(times, shaper.amplitudes)
+    def step(place: Shaper, value: float, move: float) -> tuple[Shaper, float]:
+        sizes, end = place.amplitudes, shaper.duration
+        moved = Shaper(_moved(criterion, place.times, sizes, end, jnp.asarray(move)), sizes)
+        return moved, float(criterion(moved))
+
+    return descend(step, shaper, float(criterion(shaper)), region=_REGION)[0]
 
 
 @jax.jit

@@ -21,11 +21,12 @@ from jaxtyping import Array, Float
 from experiments.paper.topics.breakaway.numbers import STEP, unbiased_force
 from experiments.paper.topics.knocks.numbers import MEASURED, Level, level
 from experiments.paper.topics.manoeuvres.numbers import BOTH_LEGS, GRAVITY, ONE_LEG
-from identification.fit.levenberg_marquardt import Normal, minimise
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import Trajectory, table_3
 from scdpr_jax.engines.closed_loop import closed_loop
 from scdpr_jax.linear.modes import BOTH_HELD, DRIVEN, LOWER_HELD, PRINTED, Condition
+from scdpr_jax.numerics.levenberg_marquardt import Stopping, minimise
+from scdpr_jax.numerics.merit import SumOfSquares
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
 from scdpr_jax.robot.state import rest
@@ -160,17 +161,17 @@ def _fit(
         share, friction = np.exp(point).tolist()
         return _deviations(_results(modes, share, friction, tabled(share, friction)))
 
-    def evaluate(point: Float[np.ndarray, "2"]) -> Normal:
+    def evaluate(point: Float[np.ndarray, "2"]) -> SumOfSquares:
         at = deviations(point)
         beside = [deviations(point + step) for step in _STEP * np.eye(2)]
         jacobian = np.stack([(one - at) / _STEP for one in beside], axis=1)
-        return Normal(float(at @ at), jacobian.T @ at, jacobian.T @ jacobian)
+        return SumOfSquares(at, jacobian)
 
     # From the share that the frequencies ask for, and the force that the breakaway does.
     share = float(np.mean([modes.share(setting) for setting in MEASURED]))
     start = np.log([share, unbiased_force() / 2])
-    found = minimise(evaluate, start, lower=np.full(2, -np.inf), iterations=100, decrement=1e-6)
-    return np.exp(found.point)
+    stopping = Stopping(evaluations=100, decrement=1e-6)
+    return np.exp(minimise(evaluate, start, stopping=stopping).point)
 
 
 def _explained(

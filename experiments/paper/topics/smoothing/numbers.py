@@ -17,10 +17,11 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from experiments.paper.topics.open_loop.numbers import POSES, TORQUES
-from identification.fit.levenberg_marquardt import Normal, minimise
 from scdpr_jax.command.sensors import Camera
 from scdpr_jax.engines.adaptive import smooth_sensitivities
 from scdpr_jax.engines.stepping import Inputs, simulate
+from scdpr_jax.numerics.levenberg_marquardt import Stopping, minimise
+from scdpr_jax.numerics.merit import SumOfSquares
 from scdpr_jax.robot.parameters import SMOOTHING_WIDTH, Robot, smoothed
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace, value
@@ -151,19 +152,17 @@ def bias(
     sigma = np.full(5, float(camera.position_sigma))
     sigma[1] = float(camera.angle_sigma)
 
-    def evaluate(logs: Float[np.ndarray, " unknowns"]) -> Normal:
+    def evaluate(logs: Float[np.ndarray, " unknowns"]) -> SumOfSquares:
         found = model(logs)
         residual = ((found.position - seen) / sigma).ravel()
         jacobian = (found.derivative / sigma[:, None]).reshape(-1, len(UNKNOWNS))
-        return Normal(float(residual @ residual), jacobian.T @ residual, jacobian.T @ jacobian)
+        return SumOfSquares(residual, jacobian)
 
     found = minimise(
         evaluate,
         np.log(BEGIN),
-        lower=np.full(len(UNKNOWNS), -np.inf),
-        iterations=50,
         # A ten-thousandth of the noise that the camera would have in one frame.
-        decrement=1e-8,
+        stopping=Stopping(evaluations=50, decrement=1e-8),
     )
     return (
         np.expm1(found.point) if found.ended == "converged" else np.full_like(AT_TRUTH, np.nan)

@@ -5,7 +5,7 @@ import pytest
 import scipy.signal
 import scipy.stats
 
-from scdpr_jax.numerics.long_run import sandwich
+from scdpr_jax.numerics.long_run_variance import sandwich
 
 RECORDS = 200
 

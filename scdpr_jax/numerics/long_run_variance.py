@@ -1,12 +1,21 @@
-"""Uncertainty of a least-squares fit whose residuals hang together in time."""
+"""The long-run variance: covariance of a least-squares fit whose residuals are correlated.
 
-from typing import NamedTuple
+What a few parameters leave over is mostly the rig's departure from the model, and it keeps its
+sign for many samples. The variance of a sum of such scores is the long-run variance: the sum
+of their autocovariances over all lags, here with weights that fall to zero at a bandwidth that
+the scores themselves suggest. Taking the residuals for white noise would be simpler and makes
+intervals several times too narrow; a model of the noise (an autoregression) is one more thing
+to be wrong about.
+"""
+
+import dataclasses
 
 import numpy as np
 from jaxtyping import Float
 
 
-class Sandwich(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Sandwich:
     """Covariance of fitted parameters, robust to correlated and unequal residuals."""
 
     covariance: Float[np.ndarray, "parameters parameters"]
@@ -56,10 +65,11 @@ def sandwich(
     padded = np.pad(scores, ((length, length - 1), (0, 0)))
     sums = np.cumsum(padded, axis=0)
     windows = sums[length:] - sums[:-length]
-    bread, unknown = _inverse(jacobian / scale)
+    bread, undetermined = _inverse(jacobian / scale)
     root = bread @ windows.T
     noise = float(residuals @ residuals) / samples
-    covariance = samples / (samples - parameters) * (root @ root.T / length + noise * unknown)
+    middle = root @ root.T / length + noise * undetermined
+    covariance = samples / (samples - parameters) * middle
     share = length / samples
     critical_value = 1.9600 + 2.9694 * share + 0.4160 * share**2 - 0.5324 * share**3
     growth = (critical_value / 1.96) ** 2
@@ -95,6 +105,6 @@ def _inverse(
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     # Eigenvalues of unit columns are sums of `samples` products: rounding is below this.
     floor = np.finfo(float).eps * len(jacobian) * max(float(values[-1]), 1.0)
-    known = np.where(values > floor, 1 / np.maximum(values, floor), 0.0)
-    unknown = np.where(values > floor, 0.0, 1 / floor)
-    return vectors * known @ vectors.T, vectors * unknown @ vectors.T
+    inverse = np.where(values > floor, 1 / np.maximum(values, floor), 0.0)
+    huge = np.where(values > floor, 0.0, 1 / floor)
+    return vectors * inverse @ vectors.T, vectors * huge @ vectors.T

@@ -1,0 +1,109 @@
+"""A made-up co-design, written and read."""
+
+import json
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from scdpr_jax.command.controller import published_pd
+from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.robot.prototype import consistent
+from tuning.codesign.codesign_file import read_law, write_codesign
+from tuning.codesign.outcomes import Outcome
+from tuning.codesign.recommendation import DESIGNED, CoDesign, Scope
+from tuning.codesign.search import Designed
+from tuning.codesign.unknowns import Law, plain_profile
+from tuning.loop.worst_margins import WorstMargin
+from tuning.result.tuning import FittedSetting
+
+LAW = Law(
+    published_pd(),
+    Shaper([0.0, 0.1, 0.2, 0.3], [0.4, 0.3, 0.2, 0.1]),
+    jnp.asarray(plain_profile()),
+    jnp.asarray(2.0),
+)
+MARGINS = (
+    WorstMargin("phase_margin", 0.6, "lifting", 0.4, 350.0),
+    WorstMargin("gain_margin", float("inf"), "lifting", 0.4, 350.0),
+    WorstMargin("peak_sensitivity", 1.8, "lifting", 0.4, 350.0),
+)
+
+
+def designed(vibration, *, volts=9.0):
+    count = len(vibration)
+    numbers = {name: np.zeros(count) for name in LegMeasures.__dataclass_fields__}
+    numbers |= {"residual_vibration": np.asarray(vibration)}
+    numbers |= {"largest_voltage": np.full(count, volts)}
+    return Designed(LAW, 2.3, Outcome(np.ones((count, 3)), LegMeasures(**numbers)))
+
+
+def co_design(**changed):
+    chosen = designed([1e-3, 2e-3])
+    return CoDesign(
+        scope=Scope((1, 2), 1, (350.0,), (2.3,), 1),
+        chosen=chosen,
+        front=(chosen,),
+        compared={"Eq. (25)": (designed([8e-3, 9e-3]),)},
+        held_out={DESIGNED: designed([3e-3], **changed)},
+        margins=MARGINS,
+        margins_before=MARGINS,
+        robots=(FittedSetting(350.0, consistent()),),
+        voltage_limit=10.0,
+    )
+
+
+def test_the_recommended_law_that_is_written_is_read(tmp_path):
+    write_codesign(tmp_path / "codesign.json", co_design())
+    again = read_law(tmp_path / "codesign.json")
+    for name in ("profile", "leg_time"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(LAW, name))
+    np.testing.assert_array_equal(again.shaper.times, LAW.shaper.times)
+    np.testing.assert_array_equal(again.shaper.amplitudes, LAW.shaper.amplitudes)
+    np.testing.assert_array_equal(
+        again.controller.derivative_gain, LAW.controller.derivative_gain
+    )
+
+
+def test_the_file_tells_the_worst_and_the_mean_of_the_models(tmp_path):
+    write_codesign(tmp_path / "codesign.json", co_design())
+    document = json.loads((tmp_path / "codesign.json").read_text())
+    assert document["vibration"] == {
+        "worst_tenth": 2e-3,
+        "worst": 2e-3,
+        "mean": 1.5e-3,
+        "unit": "m",
+    }
+    assert document["models"]["count"] == 2
+    assert document["margins"]["flexible"][1]["value"] is None
+
+
+@pytest.mark.parametrize(
+    ("break_it", "told"),
+    [
+        (lambda d: d["controller"].pop("period"), "controller.period is wrong"),
+        (lambda d: d.update(format=2), "format is wrong"),
+    ],
+)
+def test_a_broken_file_is_refused_with_its_place(break_it, told, tmp_path):
+    path = tmp_path / "codesign.json"
+    write_codesign(path, co_design())
+    document = json.loads(path.read_text())
+    break_it(document)
+    path.write_text(json.dumps(document))
+    with pytest.raises(ValueError, match=told):
+        read_law(path)
+
+
+@pytest.mark.parametrize(("volts", "holds"), [(9.99, True), (10.0, False)])
+def test_a_design_holds_where_unseen_robots_keep_the_drives_limit(volts, holds):
+    assert co_design(volts=volts).holds == holds
+
+
+def test_a_co_design_says_what_it_is_for_and_what_it_comes_to():
+    text = repr(co_design())
+    assert "1 x 2 poses, 1 robots at 350 N" in text
+    assert "worst tenth vibrates 2 mm" in text
+    assert "worst tenth 3 mm; margins and voltage kept" in text
+    assert len(text.splitlines()) == 3
