@@ -40,6 +40,12 @@ PERIODS = (5e-4, 0.5)
 LEAN = 2.6
 """Factor of the rotation over the line between the carriages: good ones, 0.97 to 1.19."""
 
+FAR = 0.15
+"""Travel of a run [m] that neither a knock nor the cable's elasticity gives."""
+
+TRAVEL = 1.3
+"""Factor of the camera's travel over the encoders'."""
+
 LINE = 1.5
 """Factor of x_e over the line between the carriages; it lags while it accelerates."""
 
@@ -61,6 +67,7 @@ def camera_relations(case: Case) -> Iterator[Relation]:
     moving = [pair for pair in pairs if pair.moves]
     if moving:
         yield _residual(moving)
+        yield from _travel(moving)
         yield from _slopes(moving)
         yield from _carriages(moving)
         yield from _line(moving, case)
@@ -159,6 +166,31 @@ def _residual(moving: Sequence[Pairing]) -> Relation:
         what=f"camera and encoders differ by {middle * 1e3:.3g} mm",
         figures={"off_m": off_by},
     )
+
+
+def _travel(moving: Sequence[Pairing]) -> list[Relation]:
+    """How far the robot goes by the camera, over how far by the encoders.
+
+    It knows neither signs nor which encoder is which, so that a factor is told beside such a
+    slip; and no factor can pass by making the encoders stand still.
+    """
+    ratios = []
+    for pair in moving:
+        seen = math.hypot(travel(pair.position[:, Q3]), travel(pair.position[:, Y]))
+        turned = math.hypot(travel(pair.along), travel(pair.up))
+        if max(seen, turned) > FAR:
+            ratios.append(math.log(max(seen, 1e-6) / max(turned, 1e-6)))
+    if not ratios:
+        return []
+    ratio = math.exp(float(np.median(ratios)))
+    return [
+        Relation(
+            name="travel",
+            excess=off(ratio, TRAVEL),
+            what=f"by the camera the robot goes {ratio:.4g} times as far as by the encoders",
+            figures={"ratio": ratio},
+        )
+    ]
 
 
 def residuals(pair: Pairing) -> tuple[Float64[np.ndarray, " _"], ...]:

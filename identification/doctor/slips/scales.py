@@ -35,6 +35,9 @@ LENGTH_FACTORS = (
 NEAR = 0.03
 """How far a measured factor may be from a unit's and still be taken for it."""
 
+NAMEPLATE = 120.0
+"""Factor that counts, a gearbox or a radius may be off."""
+
 CAMERA_RANGE = 1.4
 """Factor that a calibration of a camera may be off; beyond it, it is a unit."""
 
@@ -91,9 +94,16 @@ def round_number(value: float, allowed: float) -> float:
     return value
 
 
+def _nameplate(factor: float | None) -> bool:
+    """Whether a factor is one of counts, gears and radii: none of a unit, and no wild one."""
+    if factor is None or not 1 / NAMEPLATE < factor < NAMEPLATE:
+        return False
+    return all(abs(factor / unit - 1) > NEAR for unit, _ in ANGLE_FACTORS)
+
+
 def _counts(case: Case) -> Undone | None:
     factor = _both(case)
-    if factor is None:
+    if not _nameplate(factor):
         return None
     undone = scaled(case, ANGLES, factor)
     rig = dataclasses.replace(case.rig, count=case.rig.count * factor)
@@ -102,7 +112,7 @@ def _counts(case: Case) -> Undone | None:
 
 def _radius(case: Case) -> Undone | None:
     factor = _both(case)
-    if factor is None:
+    if not _nameplate(factor):
         return None
     radius = case.rig.radius * factor
     rig = dataclasses.replace(case.rig, radius=radius)
@@ -164,7 +174,7 @@ def _off(
 
     def undo(case: Case) -> Undone | None:
         factor = measure(case)
-        return None if factor is None else scaled(case, columns, factor)
+        return scaled(case, columns, factor) if _nameplate(factor) else None
 
     return undo
 
