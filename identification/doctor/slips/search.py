@@ -36,6 +36,9 @@ BEST = 3
 MARGIN = 0.5
 """Severity within which another explanation is told as an alternative."""
 
+VANISHED = 3.0
+"""What it counts against a slip that undoing it leaves a drive no motion to be judged by."""
+
 WORTH = 0.7
 """Share of the severity that may be left at most; else nothing explains it."""
 
@@ -139,8 +142,17 @@ def _search(base: Examination, without: Collection[str] = ()) -> list[Explanatio
         best = sorted(each.left for each in found)[:BEST]
         enough = best[-1] + MARGIN if len(best) == BEST else math.inf
         after = examination(undone.case, base, enough=enough)
-        found.append(Explanation(after.severity, (slip,), (undone,), after))
+        left = after.severity + VANISHED * _vanished(base, after, slip)
+        found.append(Explanation(left, (slip,), (undone,), after))
     return sorted(found, key=lambda each: each.rank)  # stable: ties keep their order
+
+
+def _vanished(base: Examination, after: Examination, slip: Slip) -> int:
+    """Drives' gains that there were and are no more: a factor made their motion vanish."""
+    if slip.id == "label.kind":  # it takes a run's drives out of judgement, and may
+        return 0
+    gains = {each.name for each in base.drives if each.name.startswith("gain.")}
+    return len(gains - {each.name for each in after.drives})
 
 
 def _pairs(first: list[Explanation]) -> list[Explanation]:
