@@ -9,7 +9,7 @@ from identification.campaign.notes.drive import DRIVE_OBSERVATIONS
 from identification.campaign.notes.note import Note
 from identification.campaign.read import RunReading, survey
 from identification.campaign.types import Campaign, Run
-from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.stated.units import si
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -42,6 +42,8 @@ class Check:
     """What is worth knowing of the runs that can be read."""
     runs: tuple[RunSummary, ...]
     """Every run."""
+    campaign: Campaign | None = None
+    """The campaign with the good runs, None if there is none."""
 
     @property
     def passed(self) -> bool:
@@ -66,6 +68,7 @@ def check_campaign(path: str | Path) -> Check:
         faults=reading.all_faults,
         notes=notes,
         runs=tuple(_summary(run) for run in reading.runs),
+        campaign=campaign if campaign is not None and campaign.runs else None,
     )
 
 

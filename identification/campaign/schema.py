@@ -20,7 +20,7 @@ from identification.campaign.faults import Fault, listed
 from identification.campaign.quantities import QuantityError, parse_quantity
 from identification.campaign.tables.document import read_document, row_of
 from identification.campaign.types import KINDS
-from scdpr_jax.robot.quantities import QUANTITIES
+from scdpr_jax.robot.stated.names import QUANTITIES
 
 _Model = TypeVar("_Model", bound=BaseModel)
 

@@ -23,7 +23,7 @@ from identification.campaign.types import (
     Run,
     encoder_resolution,
 )
-from scdpr_jax.robot.quantities import quantity
+from scdpr_jax.robot.stated.names import quantity
 
 
 def write_campaign(campaign: Campaign, path: str | Path) -> None:

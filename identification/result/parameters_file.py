@@ -34,6 +34,7 @@ def write_parameters(
     estimate: Estimate,
     profiles: Sequence[Profile] = (),
     posterior: Posterior | None = None,
+    accepted: Sequence[str] = (),
 ) -> None:
     """Write an estimate as `parameters.json`, whole or not at all.
 
@@ -42,6 +43,7 @@ def write_parameters(
         estimate: The estimate.
         profiles: Its profiles, where they were traced.
         posterior: Draws from what the logs leave possible, where they were made.
+        accepted: Contradictions of the sensors that the fit went on with, in words.
     """
     document = {
         "format": 1,
@@ -56,6 +58,7 @@ def write_parameters(
             for run in estimate.comparisons
             for channel, validation in zip(run.channels, validate(run), strict=True)
         ],
+        "accepted": list(accepted),
         "profiles": [_profile(profile) for profile in profiles],
         "posterior": [] if posterior is None else _posterior(posterior),
         "measured_otherwise": _measured(estimate),

@@ -9,7 +9,6 @@ from identification.campaign.notes.note import Note, Observation, rig_value, sha
 from identification.campaign.read import RUN_FILE
 from identification.campaign.streams import CAMERA_FILE
 from identification.campaign.types import Campaign, Run
-from scdpr_jax.robot.state import pose
 
 
 def _no_camera(run: Run, campaign: Campaign) -> Iterator[Note]:
@@ -88,7 +87,7 @@ def _pose(run: Run, campaign: Campaign) -> Iterator[Note]:
     if run.camera is None:
         return
     size = [rig_value(name, campaign) for name in ("frame_width", "frame_height")]
-    position = pose(run.camera.position)
+    position = run.camera.pose
     outside = ((position < 0) | (position > np.array(size))).any(axis=1)
     if outside.any():
         yield Note(

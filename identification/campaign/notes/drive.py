@@ -10,7 +10,6 @@ from identification.campaign.notes.note import Note, Observation, rig_value, sha
 from identification.campaign.read import RUN_FILE
 from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
 from identification.campaign.types import Campaign, Run, encoder_resolution
-from scdpr_jax.robot.state import pose
 
 
 def _extra_columns(run: Run, campaign: Campaign) -> Iterator[Note]:
@@ -154,7 +153,7 @@ def _early_motion(run: Run, campaign: Campaign, start: float) -> Iterator[Note]:
     if run.camera is None or run.clock_offset is None:
         return
     still = run.camera.time - run.clock_offset <= start
-    travel = _span(pose(run.camera.position[still]))
+    travel = _span(run.camera.pose[still])
     if travel > 8 * campaign.sensors.camera_position_sigma:
         yield _moves_early(
             run, CAMERA_FILE, f"the end-effector moves by {travel * 1e3:.3g} mm", start

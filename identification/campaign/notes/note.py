@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from identification.campaign.types import Campaign, Run
-from scdpr_jax.robot.prototype import PROVENANCE
+from scdpr_jax.robot.stated.numbers import PROVENANCE
 
 _TYPICAL = {source.name: source.consistent for source in PROVENANCE}
 
