@@ -202,5 +202,5 @@ def _knock_faults(
         )
     else:
         return ()
-    text, _ = read_text(folder / RUN_FILE, file=fault.file)
+    text, _ = read_text(folder / RUN_FILE)
     return (dataclasses.replace(fault, row=row_of(text, fault.key.split("."))),)
