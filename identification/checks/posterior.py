@@ -23,6 +23,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Campaign
+from identification.fit.lanes import over_lanes
 from identification.fit.problem import Problem
 from identification.fit.run_sums import motor_sums, run_sums
 from identification.fit.unknowns.measured import pulls
@@ -93,13 +94,13 @@ def _half_misfit(problem: Problem, vector: Float[Array, " n"]) -> Float[Array, "
         if rows:
             at = np.stack([unknowns.of_run(logs.cabled[k]) for k in rows])
             lanes = jnp.asarray(rows)
-            sums = run_sums(problem.prior, free, x[at], lanes, logs.rough)
+            sums = over_lanes(run_sums, problem.prior, free, x[at], lanes, logs.rough)
             parts.append((at, sums.gradient, jnp.sum(sums.cost) + jnp.sum(sums.prior_cost)))
         bare = [k for k, i in enumerate(logs.motors) if i not in problem.held_out]
         if bare:
             at = np.stack([unknowns.local[logs.motors[k]] for k in bare])
-            records = jax.tree.map(lambda leaf: leaf[np.array(bare)], logs.motor_records)
-            sums = motor_sums(problem.prior, free, x[at], records)
+            lanes, records = jnp.asarray(bare), logs.motor_records
+            sums = over_lanes(motor_sums, problem.prior, free, x[at], lanes, records)
             parts.append((at, sums.gradient, jnp.sum(sums.cost)))
         if problem.options.measured:
             at = problem.measured_places()

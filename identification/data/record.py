@@ -10,7 +10,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from identification.campaign.types import Run, Sensors
 from identification.data.circumstances import Prior, prior
@@ -39,6 +39,21 @@ class Record(eqx.Module):
     prior: Prior
     """What is known of the run's circumstances before any fit; the clock's offset is beyond
     what the stamps were put right by."""
+
+    @property
+    def length(self) -> Float[Array, ""]:
+        """Length of the run [s]."""
+        return jnp.sum(self.inputs.duration)
+
+    @property
+    def readings(self) -> Float[Array, "2"]:
+        """Independent measurements of each encoder [1]."""
+        return jnp.sum(self.angle_share, axis=0)
+
+    @property
+    def frames(self) -> Int[Array, "5"]:
+        """Frames in which each of the camera's coordinates was measured [1]."""
+        return jnp.sum(self.frame_weight > 0, axis=0)
 
 
 class MotorRecord(eqx.Module):
