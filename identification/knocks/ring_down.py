@@ -1,7 +1,6 @@
 """Natural frequency and damping from the free vibration after a knock."""
 
 import dataclasses
-from typing import NamedTuple
 
 import numpy as np
 import scipy.stats
@@ -24,7 +23,8 @@ _SAME = 0.2  # of the frequency: further off, another window's strongest mode is
 _DOUBTFUL = 0.25  # of the reciprocal length: a frequency less certain isn't resolved
 
 
-class Mode(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Mode:
     """One vibration mode in a ring-down."""
 
     frequency: float
@@ -62,14 +62,15 @@ class RingDown:
     chi_square: float = dataclasses.field(metadata=si("1"))
     """Residual variance over the camera's, 1 for noise alone [1]."""
     modes: tuple[Mode, ...]
-    """All modes found, the strongest first."""
+    """All modes, the strongest first."""
     residuals_are_noise: bool
     """Whether the decay leaves nothing but the camera's noise; if not, the carriages are
     still sliding, frequency and damping depend on amplitude, and the standard errors are
-    widened by what is left over."""
+    widened by what it leaves."""
 
 
-class _Window(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Window:
     """The best model of one window."""
 
     start: float
@@ -91,7 +92,7 @@ def ring_down(
        \cos\!\big(\sqrt{1 - \zeta_i^2}\, \omega_i t + \phi_i\big) + o \;[\,+ d\,t\,] $$
 
     A knock sets the carriages sliding. While they slide, the decay isn't exponential and
-    the frequency differs; once friction holds both, what is left is a linear vibration of
+    the frequency differs; once friction holds both, what remains is a linear vibration of
     the end-effector between held carriages. So the window starts as early as it can with
     residuals that are the camera's noise. Where it can't, it starts where they are nearest
     to it, and says so. In each window one or two modes, with or without drift, are chosen
@@ -111,7 +112,7 @@ def ring_down(
         The ring-down.
 
     Raises:
-        ValueError: If too few samples are left, or no vibration stands out of the noise.
+        ValueError: If there are too few samples, or no vibration stands out of the noise.
     """
     if not noise_sigma > 0:
         raise ValueError(
@@ -134,9 +135,20 @@ def ring_down(
     chosen = windows[-1]
     if not chosen.is_noise:
         chosen = min(windows, key=lambda window: window.chi_square)
+    modes = _ranked(chosen, noise_sigma=noise_sigma)
+    if not chosen.is_noise:
+        later = windows[len(windows) // 2 :]
+        modes[0] = _widened(modes[0], [_ranked(w, noise_sigma=noise_sigma)[0] for w in later])
     inside = time >= chosen.start
-    return _result(
-        time[inside], displacement[inside], chosen, windows=windows, noise_sigma=noise_sigma
+    peak = natural_frequency(time[inside], displacement[inside])
+    return RingDown(
+        **vars(modes[0]),
+        fft_frequency=peak.frequency,
+        fft_resolution=peak.resolution,
+        window=(chosen.start, float(time[-1])),
+        chi_square=chosen.chi_square,
+        modes=tuple(modes),
+        residuals_are_noise=chosen.is_noise,
     )
 
 
@@ -234,39 +246,9 @@ def _judge(fit: Decay, *, noise_sigma: float) -> tuple[float, bool]:
     return total / noise_sigma**2 / freedom, bool(likely and loose)
 
 
-def _result(
-    time: Float[np.ndarray, " samples"],
-    displacement: Float[np.ndarray, " samples"],
-    window: _Window,
-    *,
-    windows: list[_Window],
-    noise_sigma: float,
-) -> RingDown:
-    """The ring-down of the chosen window, its strongest mode first."""
-    modes = _ranked(window, noise_sigma=noise_sigma)
-    if not window.is_noise:
-        later = windows[len(windows) // 2 :]
-        modes[0] = _widened(modes[0], [_ranked(w, noise_sigma=noise_sigma)[0] for w in later])
-    strongest = modes[0]
-    peak = natural_frequency(time, displacement)
-    return RingDown(
-        frequency=strongest.frequency,
-        frequency_sigma=strongest.frequency_sigma,
-        damping_ratio=strongest.damping_ratio,
-        damping_ratio_sigma=strongest.damping_ratio_sigma,
-        amplitude=strongest.amplitude,
-        fft_frequency=peak.frequency,
-        fft_resolution=peak.resolution,
-        window=(float(time[0]), float(time[-1])),
-        chi_square=window.chi_square,
-        modes=tuple(modes),
-        residuals_are_noise=window.is_noise,
-    )
-
-
 def _ranked(window: _Window, *, noise_sigma: float) -> list[Mode]:
     """A window's modes with their standard errors, the strongest first."""
-    covariance = _covariance(window.fit, window, noise_sigma=noise_sigma)
+    covariance = _covariance(window, noise_sigma=noise_sigma)
     return sorted(_modes(window.fit, covariance), key=lambda mode: -mode.amplitude)
 
 
@@ -275,20 +257,22 @@ def _widened(mode: Mode, others: list[Mode]) -> Mode:
     same = [o for o in others if abs(o.frequency / mode.frequency - 1) < _SAME]
     frequency = max((abs(o.frequency - mode.frequency) for o in same), default=0.0)
     ratio = max((abs(o.damping_ratio - mode.damping_ratio) for o in same), default=0.0)
-    return mode._replace(
+    return dataclasses.replace(
+        mode,
         frequency_sigma=float(np.hypot(mode.frequency_sigma, frequency)),
         damping_ratio_sigma=float(np.hypot(mode.damping_ratio_sigma, ratio)),
     )
 
 
 def _covariance(
-    fit: Decay, window: _Window, *, noise_sigma: float
+    window: _Window, *, noise_sigma: float
 ) -> Float[np.ndarray, "parameters parameters"]:
     """Covariance of all parameters, widened where the residuals are more than noise.
 
     Noise has a known size. Anything else is scaled to the residuals, and to the larger of
     white and correlated (`long_run_variance.sandwich`) for each parameter.
     """
+    fit = window.fit
     # Residuals smaller than the noise are luck, and no reason for a smaller error.
     scale = noise_sigma**2 * max(1.0, window.chi_square)
     white = scale * np.linalg.inv(fit.jacobian.T @ fit.jacobian)
