@@ -57,11 +57,8 @@ class _Sampled:
     def values(self, z: Float[Array, " active"]) -> Float[Array, " n"]:
         """The fit's vector that standardised unknowns stand for."""
         moved = self.point[self.at] + self.scale @ z
-        return (
-            jnp.asarray(self.point)
-            .at[self.at]
-            .set(jnp.where(self.folds, jnp.abs(moved), moved))
-        )
+        folded = jnp.where(self.folds, jnp.abs(moved), moved)
+        return jnp.asarray(self.point).at[self.at].set(folded)
 
     def potential(self, z: Float[Array, " active"]) -> Float[Array, ""]:
         """Half of the misfit, whose derivative is that of the fit's normal equations."""
@@ -169,7 +166,7 @@ def posterior(
     keys = jax.random.split(jax.random.key(seed), 2)
     begun = jax.random.normal(keys[0], (chains, sampled.at.size))
     opened = np.flatnonzero(problem.unknowns.opened)
-    names = tuple(problem.unknowns.shared[k] for k in opened)
+    names = problem.unknowns.opened_names
     taken = []
     for number in range(ROUNDS):
         progress("draws from the posterior", number / ROUNDS)
@@ -181,8 +178,8 @@ def posterior(
             else:
                 walk.run(keys[1], init_params=begun)
         z = walk.get_samples(group_by_chain=True)
-        held = np.asarray(jax.vmap(jax.vmap(sampled.values))(z))[:, :, opened]
-        taken.append(decoded([n for n, _ in names], held.reshape(-1, len(names))))
+        encoded = np.asarray(jax.vmap(jax.vmap(sampled.values))(z))[:, :, opened]
+        taken.append(decoded([n for n, _ in names], encoded.reshape(-1, len(names))))
         whole = np.concatenate([part.reshape(chains, -1, len(names)) for part in taken], axis=1)
         r_hat = np.asarray(split_gelman_rubin(whole))
         effective = np.asarray(effective_sample_size(whole))

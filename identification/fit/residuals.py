@@ -178,9 +178,10 @@ def encoder_residuals(
         weight: Inverse standard deviations [1/rad].
 
     Returns:
-        Residuals about the zero that fits best [1].
+        Residuals about the zero that fits best; 0 where nothing was measured [1].
     """
     square = jnp.square(weight)
     total = jnp.sum(square, axis=0, keepdims=True)
-    zero = jnp.sum(square * difference, axis=0, keepdims=True) / total
+    weighed = jnp.sum(square * difference, axis=0, keepdims=True)
+    zero = weighed / jnp.where(total > 0, total, 1.0)
     return weight * (difference - zero)

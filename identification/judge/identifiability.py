@@ -143,12 +143,12 @@ def identifiability(
     matrix = matrix * np.outer(scale, scale)
     others = np.flatnonzero(unknowns.open_to(problem.fitted()))
     others = others[others >= len(unknowns.shared)]
-    names = [unknowns.shared[k] for k in opened]
+    names = unknowns.opened_names
     combinations = _combinations(_schur(matrix, opened, others), names)
     with np.errstate(divide="ignore"):
         alone = 1 / np.sqrt(np.diag(matrix)[opened])
     return Identifiability(
-        names=tuple(names),
+        names=names,
         runs=tuple(problem.logs.runs[run].name for run in of_runs),
         moved=0.01 * np.sqrt(moved[:, :, opened]) * scale[opened],
         alone=alone,
@@ -178,7 +178,7 @@ def _schur(
 
 
 def _combinations(
-    information: Float[np.ndarray, "k k"], names: list[tuple[str, str | None]]
+    information: Float[np.ndarray, "k k"], names: tuple[tuple[str, str | None], ...]
 ) -> tuple[Combination, ...]:
     values, vectors = np.linalg.eigh(information)
     # What rounding leaves of an eigenvalue that is zero.
@@ -188,7 +188,7 @@ def _combinations(
         vector = vector * np.sign(vector[np.argmax(np.abs(vector))])
         sigma = float(1 / np.sqrt(number)) if number > floor else np.inf
         powers = tuple(float(power) for power in vector)
-        combinations.append(Combination(tuple(names), powers, sigma))
+        combinations.append(Combination(names, powers, sigma))
     return tuple(combinations)
 
 

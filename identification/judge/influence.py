@@ -23,6 +23,7 @@ from scipy.optimize import lsq_linear
 
 from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums
+from identification.fit.unknowns.unknowns import lower_bound
 from identification.judge.uncertainty import ParameterEstimate
 from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.quantities import quantity
@@ -146,7 +147,7 @@ def influence(
         What moves what, and intervals.
     """
     names, count = [p.name for p in parameters], len(normal.runs)
-    lower = np.array([_lower(name) for name in names]) - encoded
+    lower = np.array([lower_bound(name) for name in names]) - encoded
     without = decoded(names, encoded + moves(normal, 1.0 - np.eye(count), lower=lower))
     drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), resamples)
     resampled = decoded(names, encoded + moves(normal, drawn.astype(float), lower=lower))
@@ -312,11 +313,6 @@ def known_sigma(parameters: Sequence[ParameterEstimate]) -> Float[np.ndarray, " 
     """
     sigma = np.array([p.sigma for p in parameters])
     return np.where(np.isfinite(sigma) & (sigma > 0), sigma, np.nan)
-
-
-def _lower(name: str) -> float:
-    kind = quantity(name)
-    return -np.inf if kind.positive or kind.signed else 0.0
 
 
 def decoded(

@@ -142,6 +142,7 @@ def ring_down(
     inside = time >= chosen.start
     peak = natural_frequency(time[inside], displacement[inside])
     return RingDown(
+        # A ring-down's own numbers are those of its strongest mode.
         **vars(modes[0]),
         fft_frequency=peak.frequency,
         fft_resolution=peak.resolution,

@@ -203,9 +203,9 @@ def judged(
     before = float(criterion(rig.root @ rig.root.T))
     expectations = _expectations(rig, excitations, truths, intervals, progress)
     candidates = []
-    for excitation, units, beyond in zip(excitations, *expectations, strict=True):
-        if not np.any(beyond > 0.0):
-            covariance = rig.covariance(jnp.asarray(units))
+    for row, excitation in enumerate(excitations):
+        if not expectations.beyond[row] > 0.0:
+            covariance = rig.covariance(jnp.asarray(expectations.units[row]))
             sigma = np.sqrt(np.diag(np.asarray(covariance)))
             gain = before - float(criterion(covariance))
             candidates.append(Candidate(excitation, sigma, gain))

@@ -156,7 +156,7 @@ def _parameter(
 
 def _fixed(robot: Robot, unknowns: Unknowns) -> list[ParameterEstimate]:
     """The quantities that the fit didn't open, as they are."""
-    opened = {unknowns.shared[index][0] for index in np.flatnonzero(unknowns.opened)}
+    opened = {name for name, _ in unknowns.opened_names}
     numbers = {q: float(value(robot, q.name)) for q in QUANTITIES if q.name not in opened}
     return [
         ParameterEstimate(
