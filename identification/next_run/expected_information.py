@@ -10,6 +10,7 @@ one robot for which a run happens to be sharp hardly counts.
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from identification.campaign.types import Sensors
@@ -110,10 +111,10 @@ class PlannedRun(eqx.Module):
 class Expected(eqx.Module):
     """What a run would tell if the robot were a given one, and whether it is allowed."""
 
-    units: Float[Array, "... m m"]
+    units: Float[Array | np.ndarray, "... m m"]
     """Covariance with the run, in units of what is known now: of the quantities, then of the
     start's three coordinates and of the knock's force and arm."""
-    beyond: Float[Array, "..."]
+    beyond: Float[Array | np.ndarray, "..."]
     """How far it goes beyond the frame's margin and the speed [m, m/s]; 0 for allowed."""
 
 
