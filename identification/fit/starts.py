@@ -121,11 +121,8 @@ def _valleys(problem: Problem, base: np.ndarray, label: str) -> list[tuple[Valle
     rows = _telling_runs(problem, label)
     if not rows:
         return []
-    begun = [
-        _at(problem, base, label, pretension, force)
-        for pretension, force in _scanned(problem, base, label, rows)[:VALLEYS]
-    ]
-    ends = problem.minimise_on(rows, begun, iterations=12, decrement=1.0, share=1e-3)
+    minima = _scanned(problem, base, label, rows)[:VALLEYS]
+    ends = problem.minimise_on(rows, minima, iterations=12, decrement=1.0, share=1e-3)
     count = sum(problem.logs.measurements(problem.logs.cabled[row]) for row in rows)
     distinct: list[tuple[Valley, np.ndarray]] = []
     for end in sorted(ends, key=lambda end: end.normal.cost):
@@ -159,8 +156,8 @@ def _telling_runs(problem: Problem, label: str) -> list[int]:
 
 def _scanned(
     problem: Problem, base: np.ndarray, label: str, rows: Sequence[int]
-) -> list[tuple[float, float]]:
-    """Pretension and friction force [N] of the scan's minima, the best first."""
+) -> list[np.ndarray]:
+    """The minima of a scan over pretension and friction, the best first."""
     points = [_at(problem, base, label, t, f) for t in PRETENSIONS for f in FRICTION_FORCES]
     cost = _misfits(problem, [x for x in points for _ in rows], list(rows) * len(points))
     total = cost.reshape(len(PRETENSIONS), len(FRICTION_FORCES), len(rows)).sum(axis=2)
@@ -168,7 +165,7 @@ def _scanned(
     padded = np.pad(over_friction, 1, constant_values=np.inf)
     minima = np.flatnonzero((over_friction <= padded[:-2]) & (over_friction <= padded[2:]))
     minima = minima[np.argsort(over_friction[minima])]
-    return [(PRETENSIONS[k], FRICTION_FORCES[int(np.argmin(total[k]))]) for k in minima]
+    return [points[k * len(FRICTION_FORCES) + int(np.argmin(total[k]))] for k in minima]
 
 
 def _at(

@@ -35,7 +35,7 @@ FEWEST = 5.0
 """Runs that must tell a quantity for a bootstrap [1]: from five on the intervals of drawn runs,
 equal or not, hold the truth in 93 to 98 %, with four in 86 %."""
 
-UNTOLD = 1e-6
+LEAST_SHARE = 1e-6
 """Share of its information that a quantity must keep to count as told [1]: its standard error
 is then a thousand times that of all runs."""
 
@@ -156,12 +156,13 @@ def influence(
     (value,) = decoded(names, encoded[None])
     # A logarithm's standard error is relative.
     size = np.where([quantity(name).positive for name in names], value, 1.0)
+    sigma = standard_errors(parameters)
     return Influence(
         names=tuple((p.name, p.setting) for p in parameters),
         runs=normal.runs,
         without=without,
-        moved=(without - value) / known_sigma(parameters),
-        by_noise=_by_noise(free) * size / known_sigma(parameters),
+        moved=(without - value) / sigma,
+        by_noise=_by_noise(free) * size / sigma,
         telling=telling,
         interval95=tuple(map(_expanded, resampled.T, telling)),
         resamples=resamples,
@@ -189,10 +190,10 @@ def moves(
     inverse = _covariances(normal, weights)
     pull = weights @ normal.pull + normal.otherwise.gradient
     moved = -np.einsum("cij,cj->ci", inverse, pull)
-    is_told = _is_told(normal, inverse)
-    for case in np.flatnonzero(np.any(is_told & (moved < lower), axis=1)):
+    is_determined = _is_determined(normal, inverse)
+    for case in np.flatnonzero(np.any(is_determined & (moved < lower), axis=1)):
         moved[case] = _bounded(inverse[case], pull[case], lower)
-    return np.where(is_told, moved, np.nan)
+    return np.where(is_determined, moved, np.nan)
 
 
 def telling_runs(normal: RunNormal) -> Float[np.ndarray, " n"]:
@@ -251,13 +252,13 @@ def _covariances(
     return np.linalg.inv(information * both + RIDGE * np.eye(scale.size)[None]) * both[None]
 
 
-def _is_told(
+def _is_determined(
     normal: RunNormal, covariances: Float[np.ndarray, "cases n n"]
 ) -> Bool[np.ndarray, "cases n"]:
     """Which quantities keep enough of the information that all runs hold."""
     (whole,) = _covariances(normal, np.ones((1, len(normal.runs))))
     variance = np.diagonal(covariances, axis1=1, axis2=2)
-    return (variance > 0) & (UNTOLD * variance < np.diag(whole)[None])
+    return (variance > 0) & (LEAST_SHARE * variance < np.diag(whole)[None])
 
 
 def _by_noise(normal: RunNormal) -> Float[np.ndarray, "runs n"]:
@@ -270,7 +271,7 @@ def _by_noise(normal: RunNormal) -> Float[np.ndarray, "runs n"]:
     (whole,) = _covariances(normal, np.ones((1, count)))
     rest = _covariances(normal, 1.0 - np.eye(count))
     variance = np.diagonal(rest, axis1=1, axis2=2) - np.diag(whole)[None]
-    return np.where(_is_told(normal, rest), np.sqrt(np.maximum(variance, 0.0)), np.nan)
+    return np.where(_is_determined(normal, rest), np.sqrt(np.maximum(variance, 0.0)), np.nan)
 
 
 def _bounded(
@@ -302,7 +303,7 @@ def _unstopped(normal: RunNormal, lower: Float[np.ndarray, " n"]) -> RunNormal:
     )
 
 
-def known_sigma(parameters: Sequence[ParameterEstimate]) -> Float[np.ndarray, " n"]:
+def standard_errors(parameters: Sequence[ParameterEstimate]) -> Float[np.ndarray, " n"]:
     """Standard errors of quantities.
 
     Args:

@@ -64,7 +64,12 @@ def fit_decay(
         return columns @ p[2 * modes :] - signal
 
     def jacobian(p: Float[np.ndarray, " parameters"]) -> Float[np.ndarray, "samples _"]:
-        return _jacobian(time, p, modes=modes, drift=drift)
+        c, s = p[2 * modes : 4 * modes].reshape(modes, 2).T
+        basis = _basis(time, p[:modes], p[modes : 2 * modes], drift=drift)
+        cosines, sines = basis[:, 0 : 2 * modes : 2], basis[:, 1 : 2 * modes : 2]
+        by_frequency = time[:, None] * (s * cosines - c * sines)
+        by_rate = -time[:, None] * (c * cosines + s * sines)
+        return np.concatenate([by_frequency, by_rate, basis], axis=1)
 
     start = np.concatenate([frequency, rate, linear])
     fit = scipy.optimize.least_squares(
@@ -140,20 +145,3 @@ def _basis(
     if drift:
         columns.append(time)
     return np.stack(columns, axis=1)
-
-
-def _jacobian(
-    time: Float[np.ndarray, " samples"],
-    parameters: Float[np.ndarray, " parameters"],
-    *,
-    modes: int,
-    drift: bool,
-) -> Float[np.ndarray, "samples parameters"]:
-    """Derivatives of the sum by frequencies, rates and linear coefficients."""
-    frequency, rate = parameters[:modes], parameters[modes : 2 * modes]
-    pairs = parameters[2 * modes : 4 * modes].reshape(modes, 2)
-    basis = _basis(time, frequency, rate, drift=drift)
-    cosines, sines = basis[:, 0 : 2 * modes : 2], basis[:, 1 : 2 * modes : 2]
-    by_frequency = time[:, None] * (pairs[:, 1] * cosines - pairs[:, 0] * sines)
-    by_rate = -time[:, None] * (pairs[:, 0] * cosines + pairs[:, 1] * sines)
-    return np.concatenate([by_frequency, by_rate, basis], axis=1)

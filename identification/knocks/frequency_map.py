@@ -118,19 +118,14 @@ def frequency_map(campaign: Campaign) -> FrequencyMap:
         )
     runs, poses, decays = zip(*usable, strict=True)
     x, y = np.array(poses).T
-    of_decays = (
-        "frequency",
-        "frequency_sigma",
-        "damping_ratio",
-        "damping_ratio_sigma",
-        "fft_frequency",
-        "residuals_are_noise",
-    )
+    # What a map and a ring-down both have is a column of the map.
+    both = {f.name for f in dataclasses.fields(FrequencyMap)}
+    both &= {f.name for f in dataclasses.fields(RingDown)}
     return FrequencyMap(
         x=x,
         y=y,
         pretension=np.array([run.pretension for run in runs], dtype=float),
-        **{name: np.array([getattr(decay, name) for decay in decays]) for name in of_decays},
+        **{name: np.array([getattr(decay, name) for decay in decays]) for name in both},
         runs=tuple(run.name for run in runs),
         unresolved=tuple(unresolved),
         ring_downs=decays,

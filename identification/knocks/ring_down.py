@@ -122,11 +122,13 @@ def ring_down(
     seen = np.isfinite(displacement) & (time >= after)
     time, displacement = time[seen], displacement[seen]
     _check_length(time, after=after)
+    # In units of the noise from here on, but for the amplitudes.
+    signal = displacement / noise_sigma
     starts = time[0] + (time[-1] - time[0]) * np.linspace(0, _LATEST, _STARTS)
     windows = []
     for start in starts:
         inside = time >= start
-        window = _window(time[inside], displacement[inside], noise_sigma=noise_sigma)
+        window = _window(time[inside], signal[inside])
         windows += [] if window is None else [window]
         if windows and windows[-1].is_noise:
             break
@@ -177,10 +179,7 @@ def _silence(time: Float[np.ndarray, " samples"], *, noise_sigma: float) -> str:
 
 
 def _window(
-    time: Float[np.ndarray, " samples"],
-    displacement: Float[np.ndarray, " samples"],
-    *,
-    noise_sigma: float,
+    time: Float[np.ndarray, " samples"], signal: Float[np.ndarray, " samples"]
 ) -> _Window | None:
     """The best model of a window, None if no vibration stands out in it."""
     if len(time) < _FEWEST:
@@ -192,32 +191,29 @@ def _window(
     models, silent = [], []
     for drift in (False, True):
         line = np.stack([np.ones(count), t][: 1 + drift], axis=1)
-        rest = displacement - line @ np.linalg.lstsq(line, displacement, rcond=None)[0]
-        silent.append(_schwarz(rest, 1 + drift, noise_sigma))
-        first = fit_decay(t, displacement, band=band, drift=drift)
+        rest = signal - line @ np.linalg.lstsq(line, signal, rcond=None)[0]
+        silent.append(_schwarz(rest, 1 + drift))
+        first = fit_decay(t, signal, band=band, drift=drift)
         models.append(first)
-        models.append(fit_decay(t, displacement, band=band, drift=drift, beside=first))
+        models.append(fit_decay(t, signal, band=band, drift=drift, beside=first))
     scored = [
-        (_schwarz(fit.residuals, fit.jacobian.shape[1], noise_sigma), i, fit)
+        (_schwarz(fit.residuals, fit.jacobian.shape[1]), i, fit)
         for i, fit in enumerate(models)
-        if _vibrates(fit, band=band, noise_sigma=noise_sigma)
+        if _vibrates(fit, band=band)
     ]
     if not scored or min(scored)[0] > min(silent) - _EVIDENCE:
         return None
     fit = min(scored)[2]
-    chi_square, is_noise = _judge(fit, noise_sigma=noise_sigma)
+    chi_square, is_noise = _judge(fit)
     return _Window(float(time[0]), fit, chi_square, is_noise)
 
 
-def _schwarz(
-    residuals: Float[np.ndarray, " samples"], parameters: int, noise_sigma: float
-) -> float:
-    """Schwarz's (Bayesian) information criterion for noise of known size [1]."""
-    chi_square = float(residuals @ residuals) / noise_sigma**2
-    return chi_square + parameters * float(np.log(len(residuals)))
+def _schwarz(residuals: Float[np.ndarray, " samples"], parameters: int) -> float:
+    """Schwarz's (Bayesian) information criterion for noise of unit size [1]."""
+    return float(residuals @ residuals) + parameters * float(np.log(len(residuals)))
 
 
-def _vibrates(fit: Decay, *, band: tuple[float, float], noise_sigma: float) -> bool:
+def _vibrates(fit: Decay, *, band: tuple[float, float]) -> bool:
     """Whether all modes are lightly damped, inside the band and resolved."""
     frequency = fit.angular_frequency / (2 * np.pi)
     if np.any(frequency < band[0]) or np.any(frequency > band[1]):
@@ -226,7 +222,7 @@ def _vibrates(fit: Decay, *, band: tuple[float, float], noise_sigma: float) -> b
     scale = np.sqrt(np.diag(normal))
     if not np.all(scale > 0) or np.linalg.cond(normal / np.outer(scale, scale)) > 1e10:
         return False
-    modes = _modes(fit, noise_sigma**2 * np.linalg.inv(normal))
+    modes = _modes(fit, np.linalg.inv(normal))
     ratio = fit.rate / np.hypot(fit.rate, fit.angular_frequency)
     doubtful = _DOUBTFUL * band[0] / _CYCLES
     return all(
@@ -235,22 +231,25 @@ def _vibrates(fit: Decay, *, band: tuple[float, float], noise_sigma: float) -> b
     )
 
 
-def _judge(fit: Decay, *, noise_sigma: float) -> tuple[float, bool]:
+def _judge(fit: Decay) -> tuple[float, bool]:
     """Residual variance over the noise's, and whether the residuals pass for noise."""
     count, parameters = fit.jacobian.shape
     freedom = count - parameters
     total = float(fit.residuals @ fit.residuals)
-    likely = scipy.stats.chi2.sf(total / noise_sigma**2, freedom) > _LEVEL
+    likely = scipy.stats.chi2.sf(total, freedom) > _LEVEL
     neighbours = float(fit.residuals[1:] @ fit.residuals[:-1]) / total
     # Under noise the correlation of neighbours is normal with a variance of 1/n.
     loose = neighbours * np.sqrt(count) < scipy.stats.norm.isf(_LEVEL)
-    return total / noise_sigma**2 / freedom, bool(likely and loose)
+    return total / freedom, bool(likely and loose)
 
 
 def _ranked(window: _Window, *, noise_sigma: float) -> list[Mode]:
     """A window's modes with their standard errors, the strongest first."""
-    covariance = _covariance(window, noise_sigma=noise_sigma)
-    return sorted(_modes(window.fit, covariance), key=lambda mode: -mode.amplitude)
+    modes = [
+        dataclasses.replace(mode, amplitude=noise_sigma * mode.amplitude)
+        for mode in _modes(window.fit, _covariance(window))
+    ]
+    return sorted(modes, key=lambda mode: -mode.amplitude)
 
 
 def _widened(mode: Mode, others: list[Mode]) -> Mode:
@@ -265,17 +264,15 @@ def _widened(mode: Mode, others: list[Mode]) -> Mode:
     )
 
 
-def _covariance(
-    window: _Window, *, noise_sigma: float
-) -> Float[np.ndarray, "parameters parameters"]:
+def _covariance(window: _Window) -> Float[np.ndarray, "parameters parameters"]:
     """Covariance of all parameters, widened where the residuals are more than noise.
 
-    Noise has a known size. Anything else is scaled to the residuals, and to the larger of
+    Noise has unit size. Anything else is scaled to the residuals, and to the larger of
     white and correlated (`long_run_variance.sandwich`) for each parameter.
     """
     fit = window.fit
     # Residuals smaller than the noise are luck, and no reason for a smaller error.
-    scale = noise_sigma**2 * max(1.0, window.chi_square)
+    scale = max(1.0, window.chi_square)
     white = scale * np.linalg.inv(fit.jacobian.T @ fit.jacobian)
     if window.is_noise:
         return white

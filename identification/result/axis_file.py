@@ -1,18 +1,16 @@
 """`parameters.json` of a single drive axis."""
 
+import dataclasses
 import pathlib
 from typing import Any
 
 from identification.axis.drive_axis import DriveAxisEstimate
 from identification.axis.law import AxisLaws
+from identification.axis.motion import AxisParameters
 from identification.result.parameters_file import write_document
 
 AXIS_UNITS = {
-    "mass": "kg",
-    "viscous": "N s/m",
-    "coulomb": "N",
-    "offset": "N",
-    "viscous_difference": "N s/m",
+    field.name: field.metadata["unit"] for field in dataclasses.fields(AxisParameters)
 }
 """SI units of a linear axis's parameters."""
 

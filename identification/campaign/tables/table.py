@@ -146,10 +146,9 @@ def _plain_numbers(
     # The unit's power of ten goes into the text, so that the number is rounded once.
     power = f"e{scale.exponent}" if scale.exponent else ""
     try:
-        if may_be_empty:
-            numbers = [float(cell + power) if cell else math.nan for cell in cells]
-        else:
-            numbers = [float(cell + power) for cell in cells]
+        numbers = [
+            float(cell + power) if cell or not may_be_empty else math.nan for cell in cells
+        ]
     except ValueError:
         return None
     if math.inf in numbers or -math.inf in numbers:
