@@ -113,9 +113,9 @@ def _together(files: list[str]) -> str:
 
 
 def _summary(reading: RunReading) -> RunSummary:
-    if reading.run is None:
+    run = reading.run
+    if run is None:
         return RunSummary(name=reading.name)
-    run: Run = reading.run
     return RunSummary(
         name=run.name,
         kind=run.kind,

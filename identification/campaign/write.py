@@ -153,32 +153,32 @@ def _drive_columns(drive: DriveStream, counts_per_rev: float | None) -> dict[str
     headers = {column.name: column.header for column in drive_columns(counts_per_rev)}
     columns = {}
     for field, names in DRIVE_FIELDS.items():
-        numbers, write = getattr(drive, field), _plain
+        numbers, write = getattr(drive, field), repr
         if field == "angle" and counts is not None:
-            numbers, write = counts, _whole
+            numbers, write = counts, "{:.0f}".format
             headers |= {name: f"{name} [count]" for name in names}
         if numbers is not None:
             for name, part in zip(names, numbers.T.reshape(len(names), -1), strict=True):
-                columns[headers[name]] = write(part)
+                columns[headers[name]] = _cells(part, write)
     return columns | _extra_columns(drive.extra)
 
 
 def _camera_columns(camera: CameraStream) -> dict[str, list[str]]:
     x_e, delta_e, q_3, q_4, y_e = camera.position.T
     columns = {
-        "t [s]": _plain(camera.time),
-        "x_e [mm]": _lossy(x_e, _millimetres),
-        "y_e [mm]": _lossy(y_e, _millimetres),
-        "delta_e [rad]": _lossy(delta_e, repr),
-        "q_3 [mm]": _lossy(q_3, _millimetres),
-        "q_4 [mm]": _lossy(q_4, _millimetres),
+        "t [s]": _cells(camera.time),
+        "x_e [mm]": _cells(x_e, _millimetres),
+        "y_e [mm]": _cells(y_e, _millimetres),
+        "delta_e [rad]": _cells(delta_e),
+        "q_3 [mm]": _cells(q_3, _millimetres),
+        "q_4 [mm]": _cells(q_4, _millimetres),
     }
     return columns | _extra_columns(camera.extra)
 
 
 def _extra_columns(extra: dict[str, Shaped[np.ndarray, " rows"]]) -> dict[str, list[str]]:
     return {
-        header: cells.tolist() if cells.dtype.kind == "U" else _lossy(cells, repr)
+        header: cells.tolist() if cells.dtype.kind == "U" else _cells(cells)
         for header, cells in extra.items()
     }
 
@@ -192,16 +192,10 @@ def _whole_counts(
     return counts if np.array_equal(counts * resolution, angle) else None
 
 
-def _plain(numbers: Float64[np.ndarray, " rows"]) -> list[str]:
-    return [repr(number) for number in numbers.tolist()]
-
-
-def _whole(numbers: Float64[np.ndarray, " rows"]) -> list[str]:
-    return [f"{number:.0f}" for number in numbers.tolist()]
-
-
-def _lossy(numbers: Float64[np.ndarray, " rows"], write: Callable[[float], str]) -> list[str]:
-    """Numbers with an empty cell for each NaN."""
+def _cells(
+    numbers: Float64[np.ndarray, " rows"], write: Callable[[float], str] = repr
+) -> list[str]:
+    """Numbers as they are written; an empty cell for each NaN."""
     return ["" if math.isnan(number) else write(number) for number in numbers.tolist()]
 
 
