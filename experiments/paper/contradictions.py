@@ -151,13 +151,11 @@ def contradictions(picture: Pictures) -> Content:
         for one in CONTRADICTIONS
     )
     return Content(
-        ("Each line can be checked with a pocket calculator and the paper alone.",),
-        tables=(
-            Table(
-                "The paper against itself",
-                ("compute", "it comes to", "against", "unit", "which is", "erratum"),
-                rows,
-            ),
+        "Each line can be checked with a pocket calculator and the paper alone.",
+        Table(
+            "The paper against itself",
+            ("compute", "it comes to", "against", "unit", "which is", "erratum"),
+            rows,
         ),
     )
 

@@ -4,6 +4,7 @@ from experiments.page.number_text import plain, readable_unit, short
 from experiments.page.page import Pictures
 from experiments.page.table import Table
 from experiments.paper.content import Content, Section
+from experiments.paper.topics.prototype.claims import TABLE1
 from experiments.paper.topics.prototype.numbers import (
     Derived,
     derived_as_printed,
@@ -54,29 +55,25 @@ def table1(picture: Pictures) -> Content:
         for source in PROVENANCE
     )
     return Content(
-        (
-            f"With the printed radius of 7.3 mm the drives' inertia weighs "
-            f"{printed.reflected_inertia:.0f} kg at the cable and 10 V move it at "
-            f"{printed.top_speed:.2f} m/s: no experiment could be run. With 73 mm it is "
-            f"{used.reflected_inertia:.2f} kg and {used.top_speed:.2f} m/s.",
-            f"The robot breaks away at {used.breakaway_force:.1f} N; the printed μ makes "
-            f"{printed.printed_friction:.0f} N on each carriage, more than the "
-            f"{used.largest_force:.0f} N of both drives at 10 V.",
+        f"With the printed radius of 7.3 mm the drives' inertia weighs "
+        f"{printed.reflected_inertia:.0f} kg at the cable and 10 V move it at "
+        f"{printed.top_speed:.2f} m/s: no experiment could be run. With 73 mm it is "
+        f"{used.reflected_inertia:.2f} kg and {used.top_speed:.2f} m/s.",
+        f"The robot breaks away at {used.breakaway_force:.1f} N; the printed μ makes "
+        f"{printed.printed_friction:.0f} N on each carriage, more than the "
+        f"{used.largest_force:.0f} N of both drives at 10 V.",
+        Table(
+            "What follows from it",
+            ("quantity", "as printed", "consistent", "unit"),
+            _rows(printed, used),
         ),
-        tables=(
-            Table(
-                "What follows from it",
-                ("quantity", "as printed", "consistent", "unit"),
-                _rows(printed, used),
-            ),
-            Table(
-                "Table 1 and sections 5.1, 6.1",
-                ("quantity", "printed", "used", "unit", "where from"),
-                numbers,
-            ),
+        Table(
+            "Table 1 and sections 5.1, 6.1",
+            ("quantity", "printed", "used", "unit", "where from"),
+            numbers,
         ),
     )
 
 
-SECTIONS = (Section("table1", "Table 1, and what follows from it", 1.0, table1),)
+SECTIONS = (Section("table1", "Table 1, and what follows from it", 1.0, table1, TABLE1),)
 """Sections of this module."""
