@@ -1,7 +1,7 @@
 """Section of Figure 10."""
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.breakaway.claims import FIG10
 from experiments.paper.topics.breakaway.figure import draw_fig10
@@ -15,6 +15,10 @@ from experiments.paper.topics.breakaway.numbers import (
 )
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import value
+
+
+def _coefficient(force: float, tension: float, carriages: int) -> str:
+    return f"{coefficient(force, tension=tension, carriages=carriages):.4f}"
 
 
 def fig10(picture: Pictures) -> Content:
@@ -31,17 +35,6 @@ def fig10(picture: Pictures) -> Content:
     forces = (
         ("voltage as the force", printed_force()),
         ("half a step less", unbiased_force()),
-    )
-    rows = tuple(
-        (
-            read,
-            f"{force:.2f}",
-            f"{tension:.0f}",
-            f"{coefficient(force, tension=tension, carriages=1):.4f}",
-            f"{coefficient(force, tension=tension, carriages=2):.4f}",
-        )
-        for read, force in forces
-        for tension in (NOMINAL, effective)
     )
     return Content(
         f"Both drives at 0.68 V pull with {printed_force():.1f} N. The printed μ = 0.1723 "
@@ -61,10 +54,19 @@ def fig10(picture: Pictures) -> Content:
             "drawn anew in each repetition; some stay. Right: the first voltage of the "
             "staircase that moves it, thirty times.",
         ),
-        Table(
+        table_of(
             "The coefficient of friction, with the tension that it belongs to",
-            ("reading", "force [N]", "tension [N]", "μ, lower carriage alone", "μ, both"),
-            rows,
+            (
+                {
+                    "reading": reading,
+                    "force [N]": f"{force:.2f}",
+                    "tension [N]": f"{tension:.0f}",
+                    "μ, lower carriage alone": _coefficient(force, tension, 1),
+                    "μ, both": _coefficient(force, tension, 2),
+                }
+                for reading, force in forces
+                for tension in (NOMINAL, effective)
+            ),
         ),
     )
 

@@ -1,7 +1,7 @@
 """Section on the best explanation of everything that is reported."""
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.explanation.figure import draw_explanations
 from experiments.paper.topics.explanation.numbers import (
@@ -13,17 +13,18 @@ from experiments.paper.topics.explanation.numbers import (
 from experiments.paper.topics.manoeuvres.numbers import GRAVITY, ONE_LEG, tracked
 
 
-def _row(fit: Explanation) -> tuple[str, ...]:
-    return (
-        fit.hypothesis.name,
-        f"{fit.cost:.1f}",
-        f"{fit.share:.3f}",
-        f"{NOMINAL * fit.share:.0f}",
-        f"{fit.friction:.2f}",
-        *(f"{value:.3g}" for value in fit.computed),
-        f"{fit.rise:.2f}",
-        ", ".join(fit.unexplained) or "–",
-    )
+def _row(fit: Explanation) -> dict[str, str]:
+    names = [f"{result.name} [{result.unit}]" for result in REPORTED]
+    return {
+        "hypothesis": fit.hypothesis.name,
+        "cost": f"{fit.cost:.1f}",
+        "T_eff/T": f"{fit.share:.3f}",
+        "T_eff at 350 N [N]": f"{NOMINAL * fit.share:.0f}",
+        "friction [N]": f"{fit.friction:.2f}",
+        **{name: f"{value:.3g}" for name, value in zip(names, fit.computed, strict=True)},
+        "middle over ends": f"{fit.rise:.2f}",
+        "unexplained": ", ".join(fit.unexplained) or "–",
+    }
 
 
 def explanation(picture: Pictures) -> Content:
@@ -63,20 +64,7 @@ def explanation(picture: Pictures) -> Content:
             "The best eight fits: what each makes of the reported results; colours are "
             "deviations over what the print bears, bold beyond two.",
         ),
-        Table(
-            "Every hypothesis",
-            (
-                "hypothesis",
-                "cost",
-                "T_eff/T",
-                "T_eff at 350 N [N]",
-                "friction [N]",
-                *(f"{one.name} [{one.unit}]" for one in REPORTED),
-                "middle over ends",
-                "unexplained",
-            ),
-            tuple(_row(fit) for fit in fits),
-        ),
+        table_of("Every hypothesis", map(_row, fits)),
     )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import Table, table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.knocks.claims import FIG11, FIG12
 from experiments.paper.topics.knocks.figure import draw_fig11, draw_fig12
@@ -45,15 +45,14 @@ def fig11(picture: Pictures) -> Content:
     )
 
 
-def _row(level: Level) -> tuple[str, ...]:
-    lower, upper = level.condition.lower.value, level.condition.upper.value
-    return (
-        lower,
-        upper,
-        *(f"{level.nominal(setting):.2f}" for setting in SETTINGS),
-        *(f"{level.share(setting):.3f}" for setting in MEASURED),
-        f"{level.rise:.2f}",
-    )
+def _row(level: Level) -> dict[str, str]:
+    return {
+        "lower carriage": level.condition.lower.value,
+        "upper carriage": level.condition.upper.value,
+        **{f"T = {each:.0f} N [Hz]": f"{level.nominal(each):.2f}" for each in SETTINGS},
+        **{f"T_eff/T for {f} Hz": f"{level.share(each):.3f}" for each, f in MEASURED.items()},
+        "middle over ends": f"{level.rise:.2f}",
+    }
 
 
 def fig12(picture: Pictures) -> Content:
@@ -66,16 +65,9 @@ def fig12(picture: Pictures) -> Content:
         The section.
     """
     found, harder = fig12_numbers(), fig12_numbers(4 * FORCE)
-    conditions = Table(
+    conditions = table_of(
         "First elastic mode at mid-height, and what the reported level asks for",
-        (
-            "lower carriage",
-            "upper carriage",
-            *(f"T = {setting:.0f} N [Hz]" for setting in SETTINGS),
-            *(f"T_eff/T for {MEASURED[s]} Hz" for s in MEASURED),
-            "middle over ends",
-        ),
-        tuple(_row(level) for level in found.levels),
+        map(_row, found.levels),
     )
     knocks = Table(
         "Peak of the simulated knocks [Hz], mean of the five columns",

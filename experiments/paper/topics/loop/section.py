@@ -4,7 +4,7 @@ import math
 
 from experiments.page.number_text import plain, rounded
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.loop.claims import EQ24, EQ25
 from experiments.paper.topics.loop.figure import draw_bode, draw_step_response
@@ -44,18 +44,18 @@ def eq24(picture: Pictures) -> Content:
     )
 
 
-def _row(name: str, design: Design) -> tuple[str, ...]:
+def _row(name: str, design: Design) -> dict[str, str]:
     continuous, sampled = design.continuous, design.sampled
     proportional, derivative = design.gains_in_degrees
-    return (
-        name,
-        f"{proportional:.5f}",
-        f"{derivative:.6f}",
-        f"{float(continuous.gain_crossover):.2f}",
-        f"{math.degrees(continuous.phase_margin):.2f}",
-        f"{float(sampled.gain_crossover):.2f}",
-        f"{math.degrees(sampled.phase_margin):.2f}",
-    )
+    return {
+        "controller": name,
+        "K_p [V/°]": f"{proportional:.5f}",
+        "K_d [V s/°]": f"{derivative:.6f}",
+        "ω_c [rad/s]": f"{float(continuous.gain_crossover):.2f}",
+        "φ_m [°]": f"{math.degrees(continuous.phase_margin):.2f}",
+        "ω_c at 1 kHz [rad/s]": f"{float(sampled.gain_crossover):.2f}",
+        "φ_m at 1 kHz [°]": f"{math.degrees(sampled.phase_margin):.2f}",
+    }
 
 
 def eq25(picture: Pictures) -> Content:
@@ -82,19 +82,7 @@ def eq25(picture: Pictures) -> Content:
             draw_bode(designs, plant=published_plant()),
             "The drive's open loop with the required and with the printed controller.",
         ),
-        Table(
-            "The controllers and their margins",
-            (
-                "controller",
-                "K_p [V/°]",
-                "K_d [V s/°]",
-                "ω_c [rad/s]",
-                "φ_m [°]",
-                "ω_c at 1 kHz [rad/s]",
-                "φ_m at 1 kHz [°]",
-            ),
-            rows,
-        ),
+        table_of("The controllers and their margins", rows),
     )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.manoeuvres.claims import FIG18, FIG19, FIG20, TABLE3
 from experiments.paper.topics.manoeuvres.figure import (
@@ -34,18 +34,18 @@ _CASES = (
 )
 
 
-def _row(name: str, leg_time: float, tension: float | None, gravity: float) -> tuple[str, ...]:
+def _row(name: str, leg_time: float, tension: float | None, gravity: float) -> dict[str, str]:
     run = tracked(name, leg_time, tension, gravity)
-    return (
-        name,
-        f"{leg_time:g}",
-        f"{85 if tension is None else tension:g}",
-        "on" if gravity else "off",
-        f"{1e3 * run.error.max():.1f}",
-        f"{np.rad2deg(run.tilt):.2f}",
-        f"{np.abs(run.voltage).max():.2f}",
-        f"{1e3 * run.error[-1]:.1f}",
-    )
+    return {
+        "manoeuvre": name,
+        "a leg [s]": f"{leg_time:g}",
+        "T_eff [N]": f"{85 if tension is None else tension:g}",
+        "gravity": "on" if gravity else "off",
+        "largest error (26) [mm]": f"{1e3 * run.error.max():.1f}",
+        "largest rotation [°]": f"{np.rad2deg(run.tilt):.2f}",
+        "largest command [V]": f"{np.abs(run.voltage).max():.2f}",
+        "error a second after the end [mm]": f"{1e3 * run.error[-1]:.1f}",
+    }
 
 
 def table3(picture: Pictures) -> Content:
@@ -57,9 +57,6 @@ def table3(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    rows = tuple(
-        _row(name, times[name], tension, gravity) for name, times, tension, gravity in _CASES
-    )
     return Content(
         "Table 3 doesn't say whether its time is that of one leg or of both. The diagonal "
         "asks for one leg (at 1.25 s a leg it would need 20 V), the horizontal manoeuvre "
@@ -68,19 +65,9 @@ def table3(picture: Pictures) -> Content:
         "mm with it: a PD holds 20.6 N of weight only with an error of 3 mm. The paper "
         "leaves gravity out.",
         "With the nominal 350 N the horizontal error is 20 mm, not 50.",
-        Table(
+        table_of(
             "Table 3 under the printed controller, 4.5 N of friction on each carriage",
-            (
-                "manoeuvre",
-                "a leg [s]",
-                "T_eff [N]",
-                "gravity",
-                "largest error (26) [mm]",
-                "largest rotation [°]",
-                "largest command [V]",
-                "error a second after the end [mm]",
-            ),
-            rows,
+            (_row(name, times[name], *case) for name, times, *case in _CASES),
         ),
     )
 

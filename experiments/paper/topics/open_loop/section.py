@@ -1,7 +1,7 @@
 """Sections of Table 2 and Figures 13 and 14."""
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.open_loop.claims import FIG14, TABLE2
 from experiments.paper.topics.open_loop.figure import draw_fig13, draw_fig14, draw_table2
@@ -19,16 +19,16 @@ def table2(picture: Pictures) -> Content:
         The section.
     """
     runs, narrow = open_loop(), open_loop(7.3e-3)
-    rows = tuple(
-        (
-            TITLES[index],
-            f"[{POSES[index][0]:.3f}, {POSES[index][1]:.3f}]",
-            f"[{TORQUES[index][0]:.2f}, {TORQUES[index][1]:.2f}]",
-            "[{:.3f}, {:.3f}]".format(*pose(runs.position[index, -1])),
-            f"{1e3 * runs.travel(index + 1):.0f}",
-            f"{1e3 * runs.margin(index + 1):.0f}",
-            f"{1e3 * narrow.travel(index + 1):.0f}",
-        )
+    rows = (
+        {
+            "experiment": TITLES[index],
+            "start [m]": f"[{POSES[index][0]:.3f}, {POSES[index][1]:.3f}]",
+            "torques [N m]": f"[{TORQUES[index][0]:.2f}, {TORQUES[index][1]:.2f}]",
+            "rests at [m]": "[{:.3f}, {:.3f}]".format(*pose(runs.position[index, -1])),
+            "travel [mm]": f"{1e3 * runs.travel(index + 1):.0f}",
+            "least distance to the frame [mm]": f"{1e3 * runs.margin(index + 1):.0f}",
+            "travel at r = 7.3 mm [mm]": f"{1e3 * narrow.travel(index + 1):.0f}",
+        }
         for index in range(len(POSES))
     )
     return Content(
@@ -41,19 +41,7 @@ def table2(picture: Pictures) -> Content:
             "What the end-effector does in the four experiments: a second of torque, then "
             "coasting.",
         ),
-        Table(
-            "Table 2, simulated",
-            (
-                "experiment",
-                "start [m]",
-                "torques [N m]",
-                "rests at [m]",
-                "travel [mm]",
-                "least distance to the frame [mm]",
-                "travel at r = 7.3 mm [mm]",
-            ),
-            rows,
-        ),
+        table_of("Table 2, simulated", rows),
     )
 
 

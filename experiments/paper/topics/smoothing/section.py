@@ -4,7 +4,7 @@ import numpy as np
 
 from experiments.page.number_text import percent, short
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.smoothing.claims import SMOOTHING
 from experiments.paper.topics.smoothing.figure import draw_smoothing
@@ -53,26 +53,22 @@ def smoothing(picture: Pictures) -> Content:
             "μ, over the width of the smoothed friction. Right: steps of a run with its "
             "derivatives.",
         ),
-        Table(
+        table_of(
             "Errors of fits and of derivatives, by the friction's width",
-            (
-                "vₛ",
-                *(f"bias of {name} [%]" for name in SYMBOLS),
-                "∂/∂μ, sliding [%]",
-                "∂/∂μ, held [%]",
-                "steps of a run",
-            ),
-            tuple(
-                (name, *_cells(one))
-                for name, one in zip(named, (*found.by_width, *found.exact), strict=True)
-            ),
+            map(_row, named, (*found.by_width, *found.exact)),
         ),
     )
 
 
-def _cells(one: Errors) -> tuple[str, ...]:
-    shares = (*one.bias, one.sliding, one.held)
-    return (*(short(100 * share, 2) for share in shares), f"{one.steps:.0f}")
+def _row(name: str, errors: Errors) -> dict[str, str]:
+    biases = zip(SYMBOLS, errors.bias, strict=True)
+    return {
+        "vₛ": name,
+        **{f"bias of {symbol} [%]": short(100 * bias, 2) for symbol, bias in biases},
+        "∂/∂μ, sliding [%]": short(100 * errors.sliding, 2),
+        "∂/∂μ, held [%]": short(100 * errors.held, 2),
+        "steps of a run": f"{errors.steps:.0f}",
+    }
 
 
 SECTIONS = (

@@ -1,7 +1,7 @@
 """Sections on the loop's cable and on Figure 21."""
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.prototype.numbers import derived_as_printed, derived_consistently
 from experiments.paper.topics.tensioning.claims import FIG21
@@ -29,13 +29,13 @@ def cable(picture: Pictures) -> Content:
     printed, used, found = derived_as_printed(), derived_consistently(), creep()
     worst = found.bare[STRAINS[-1]]
     left = float(worst[-1] / worst[0])
-    rows = tuple(
-        (
-            f"{1e6 * strain:g}",
-            f"{values[-1]:.0f}",
-            f"{100 * (1 - values[-1] / values[0]):.1f}",
-            f"{100 * (1 - lost_frequency(float(values[-1] / values[0]))):.1f}",
-        )
+    rows = (
+        {
+            "creep [µm/m a decade]": f"{1e6 * strain:g}",
+            "of 350 N left [N]": f"{values[-1]:.0f}",
+            "tension [%]": f"{100 * (1 - values[-1] / values[0]):.1f}",
+            "frequency [%]": f"{100 * (1 - lost_frequency(values[-1] / values[0])):.1f}",
+        }
         for strain, values in found.bare.items()
     )
     return Content(
@@ -56,11 +56,7 @@ def cable(picture: Pictures) -> Content:
             "frequency that is left (f ~ √T): bare loops, the printed modulus, and the "
             "actuator of Figure 21.",
         ),
-        Table(
-            f"After {HOURS:g} h, bare steel loop",
-            ("creep [µm/m a decade]", "of 350 N left [N]", "tension [%]", "frequency [%]"),
-            rows,
-        ),
+        table_of(f"After {HOURS:g} h, bare steel loop", rows),
     )
 
 
@@ -74,15 +70,15 @@ def fig21(picture: Pictures) -> Content:
         The section.
     """
     found = runs()
-    rows = tuple(
-        (
-            name,
-            f"{found.tension[name].max():.0f}",
-            f"{found.tension[name].min():.0f}",
-            f"{1e3 * abs(found.travel[name]).max():.2f}",
-            f"{found.end[name]:.3f}",
-            f"{found.frequency[name]:.2f}",
-        )
+    rows = (
+        {
+            "actuator": name,
+            "highest tension [N]": f"{found.tension[name].max():.0f}",
+            "lowest [N]": f"{found.tension[name].min():.0f}",
+            "largest travel [mm]": f"{1e3 * abs(found.travel[name]).max():.2f}",
+            "experiment 1 ends at [m]": f"{found.end[name]:.3f}",
+            "knock [Hz]": f"{found.frequency[name]:.2f}",
+        }
         for name in found.tension
     )
     bare = found.tension["no actuator"].max()
@@ -105,18 +101,7 @@ def fig21(picture: Pictures) -> Content:
             "actuator; dashed the constant tension of the model and its path's "
             "lengthening.",
         ),
-        Table(
-            "Modified scheme: tension sensor and linear actuator, setpoint 85 N",
-            (
-                "actuator",
-                "highest tension [N]",
-                "lowest [N]",
-                "largest travel [mm]",
-                "experiment 1 ends at [m]",
-                "knock [Hz]",
-            ),
-            rows,
-        ),
+        table_of("Modified scheme: tension sensor and linear actuator, setpoint 85 N", rows),
     )
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import Table, table_of
 from experiments.paper.content import Content, Section
 from experiments.paper.topics.workspaces.claims import FIG3, FIG6
 from experiments.paper.topics.workspaces.figure import draw_fig3, draw_fig6
@@ -13,7 +13,7 @@ from experiments.paper.topics.workspaces.numbers import (
     HEIGHT,
     PRINTED,
     WIDTH,
-    Workspaces,
+    Cables,
     workspaces,
 )
 from scdpr_jax.robot.prototype import consistent
@@ -29,18 +29,15 @@ def _inside(width: float, height: float) -> float:
     return (1 - width / float(frame.width)) * (1 - height / float(frame.height))
 
 
-def _needs(found: Workspaces, end_effector: str) -> tuple[tuple[str, ...], ...]:
-    return tuple(
-        (
-            end_effector,
-            "crossed" if cables.crossed else "open",
-            f"{cables.minimum:g}",
-            f"{100 * PRINTED[cables.minimum]:.2f}",
-            _tension(cables.maximum_for(PRINTED[cables.minimum])),
-            f"{100 * cables.share(math.inf):.1f}",
-        )
-        for cables in found.cables
-    )
+def _needs(end_effector: str, cables: Cables) -> dict[str, str]:
+    return {
+        "end-effector w × h [mm]": end_effector,
+        "cables": "crossed" if cables.crossed else "open",
+        "T_min [N]": f"{cables.minimum:g}",
+        "printed [%]": f"{100 * PRINTED[cables.minimum]:.2f}",
+        "T_max for it [N]": _tension(cables.maximum_for(PRINTED[cables.minimum])),
+        "most, any T_max [%]": f"{100 * cables.share(math.inf):.1f}",
+    }
 
 
 def fig3(picture: Pictures) -> Content:
@@ -53,21 +50,7 @@ def fig3(picture: Pictures) -> Content:
         The section.
     """
     found = workspaces()
-    table = Table(
-        "The T_max that each printed percentage would need",
-        (
-            "end-effector w × h [mm]",
-            "cables",
-            "T_min [N]",
-            "printed [%]",
-            "T_max for it [N]",
-            "most, any T_max [%]",
-        ),
-        (
-            *_needs(found, "281 × 287, 2.1"),
-            *_needs(workspaces(0.287, 0.281), "287 × 281, Table 1"),
-        ),
-    )
+    sizes = {"281 × 287, 2.1": found, "287 × 281, Table 1": workspaces(0.287, 0.281)}
     return Content(
         "The paper prints two percentages and no T_max. No single T_max gives both: open "
         "cables reach 41.56 % at 287 N and never 70.73 %; crossed ones need 93 N and 151 "
@@ -82,7 +65,10 @@ def fig3(picture: Pictures) -> Content:
             "Static workspace of the conventional robot: the largest tension that a pose "
             "needs at least, for open and crossed cables and both least tensions.",
         ),
-        table,
+        table_of(
+            "The T_max that each printed percentage would need",
+            (_needs(size, cables) for size, each in sizes.items() for cables in each.cables),
+        ),
     )
 
 
