@@ -8,17 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    PURPLE,
-    VERMILION,
-    label,
-    new_figure,
-    styled,
-)
+from experiments.page import style
 from scdpr_jax.robot.parameters import Robot
 
 _PULLEY = 0.018  # m, radius of a drawn deflection pulley
@@ -96,8 +86,13 @@ def draw_robot(axes: Axes, robot: Robot, position: Float[np.ndarray, "5"]) -> No
     """
     x, tilt, lower, upper, y = (float(number) for number in position)
     width, height = 1e3 * float(robot.frame.width), 1e3 * float(robot.frame.height)
-    axes.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=GREY, lw=3))
-    colors = {"alpha": BLUE, "beta": GREEN, "gamma": PURPLE, "guide": BLACK}
+    axes.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=style.GREY, lw=3))
+    colors = {
+        "alpha": style.BLUE,
+        "beta": style.GREEN,
+        "gamma": style.PURPLE,
+        "guide": style.BLACK,
+    }
     for name, lines in cable_loop(robot, position).items():
         for line in lines:
             axes.plot(*(1e3 * line.T), color=colors[name], lw=1.3)
@@ -112,7 +107,7 @@ def draw_robot(axes: Axes, robot: Robot, position: Float[np.ndarray, "5"]) -> No
                 2 * half,
                 28,
                 facecolor="#d9d9d9",
-                edgecolor=BLACK,
+                edgecolor=style.BLACK,
             )
         )
         for offset in (-half, -1e3 * _PULLEY_HALF_GAP, 1e3 * _PULLEY_HALF_GAP, half):
@@ -121,15 +116,15 @@ def draw_robot(axes: Axes, robot: Robot, position: Float[np.ndarray, "5"]) -> No
                     (1e3 * place + offset, at),
                     1e3 * _PULLEY,
                     facecolor="white",
-                    edgecolor=BLACK,
+                    edgecolor=style.BLACK,
                 )
             )
     radius = 1e3 * _drawn_radius(robot)
     for corner in (radius, width - radius):
         axes.add_patch(
-            Circle((corner, 0), radius, facecolor="#f2f2f2", edgecolor=BLACK, lw=1.2)
+            Circle((corner, 0), radius, facecolor="#f2f2f2", edgecolor=style.BLACK, lw=1.2)
         )
-        axes.plot(corner, 0, "+", color=BLACK, ms=6)
+        axes.plot(corner, 0, "+", color=style.BLACK, ms=6)
     _draw_body(axes, robot, (x, y, tilt))
 
 
@@ -144,15 +139,15 @@ def _draw_body(axes: Axes, robot: Robot, pose: tuple[float, float, float]) -> No
         Polygon(
             1e3 * (corners @ turn.T + [x, y]),
             facecolor="#cfe3f1",
-            edgecolor=BLACK,
+            edgecolor=style.BLACK,
             lw=1.2,
             zorder=4,
         )
     )
-    axes.plot(1e3 * x, 1e3 * y, "o", color=BLACK, ms=3, zorder=5)
+    axes.plot(1e3 * x, 1e3 * y, "o", color=style.BLACK, ms=3, zorder=5)
 
 
-@styled
+@style.styled
 def robot_view(
     robot: Robot,
     *,
@@ -172,25 +167,27 @@ def robot_view(
         The figure, two panels a row.
     """
     rows = (len(instants) + 1) // 2
-    figure = new_figure(height=2.9 * rows)
+    figure = style.new_figure(height=2.9 * rows)
     grid = np.atleast_2d(figure.subplots(rows, 2, sharex=True, sharey=True)).ravel()
     trace = 1e3 * path[:: max(1, len(path) // 300)]
     for axes, instant in zip(grid, instants, strict=False):
         row = int(np.argmin(np.abs(time - instant)))
         draw_robot(axes, robot, path[row])
-        axes.plot(trace[:, 0], trace[:, 4], color=VERMILION, lw=1.4, zorder=6)
+        axes.plot(trace[:, 0], trace[:, 4], color=style.VERMILION, lw=1.4, zorder=6)
         tilt = np.degrees(path[row, 1])
-        axes.set_title(f"t = {time[row]:.2f} s, δₑ = {tilt:.2f}°".replace("-", "−"))
-        axes.set_aspect("equal")
+        axes.set(
+            title=f"t = {time[row]:.2f} s, δₑ = {tilt:.2f}°".replace("-", "−"), aspect="equal"
+        )
         axes.grid(False)
-        axes.set_xlabel(label("x", "mm"))
-        axes.set_ylabel(label("y", "mm"))
+        axes.set(xlabel="x [mm]", ylabel="y [mm]")
         axes.label_outer()
     for axes in grid[len(instants) :]:
         axes.set_axis_off()
     radius = 1e3 * _drawn_radius(robot)
-    grid[0].set_xlim(-40, 1e3 * float(robot.frame.width) + 40)
-    grid[0].set_ylim(-radius - 25, 1e3 * float(robot.frame.height) + 45)
+    grid[0].set(
+        xlim=(-40, 1e3 * float(robot.frame.width) + 40),
+        ylim=(-radius - 25, 1e3 * float(robot.frame.height) + 45),
+    )
     return figure
 
 

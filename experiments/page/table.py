@@ -1,6 +1,7 @@
 """A table as it is printed, whoever prints it."""
 
 import dataclasses
+from collections.abc import Iterable, Mapping
 
 
 @dataclasses.dataclass(frozen=True)
@@ -15,3 +16,21 @@ class Table:
     """The lines."""
     words: tuple[int, ...] = (0,)
     """Columns of words, which begin at the left; numbers end at the right."""
+
+
+def table_of(
+    title: str, rows: Iterable[Mapping[str, str]], *, words: tuple[int, ...] = (0,)
+) -> Table:
+    """A table from lines that name their columns, so that no cell stands under another's name.
+
+    Args:
+        title: What it is about; empty for none.
+        rows: The lines: texts by the columns' names, in the columns' order.
+        words: Columns of words.
+
+    Returns:
+        The table; without lines it has no columns either.
+    """
+    lines = tuple(rows)
+    header = tuple(lines[0]) if lines else ()
+    return Table(title, header, tuple(tuple(line.values()) for line in lines), words)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from experiments.paper import contradictions
 from experiments.paper.claim import Claim
-from experiments.paper.content import Section, Topic
+from experiments.paper.content import Section
 from experiments.paper.topics import (
     breakaway,
     explanation,
@@ -21,40 +21,28 @@ from experiments.paper.topics import (
     workspaces,
 )
 
-TOPICS: tuple[Topic, ...] = (
-    Topic(contradictions.SECTIONS),
-    Topic(prototype.SECTIONS, prototype.CLAIMS),
-    Topic(workspaces.SECTIONS, workspaces.CLAIMS),
-    Topic(breakaway.SECTIONS, breakaway.CLAIMS),
-    Topic(knocks.SECTIONS, knocks.CLAIMS),
-    Topic(open_loop.SECTIONS, open_loop.CLAIMS),
-    Topic(loop.SECTIONS, loop.CLAIMS),
-    Topic(manoeuvres.SECTIONS, manoeuvres.CLAIMS),
-    Topic(validity.SECTIONS),
-    Topic(smoothing.SECTIONS, smoothing.CLAIMS),
-    Topic(tensioning.SECTIONS, tensioning.CLAIMS),
-    Topic(stiffness.SECTIONS, stiffness.CLAIMS),
-    Topic(explanation.SECTIONS),
+TOPICS = (
+    contradictions,
+    prototype,
+    workspaces,
+    breakaway,
+    knocks,
+    open_loop,
+    loop,
+    manoeuvres,
+    validity,
+    smoothing,
+    tensioning,
+    stiffness,
+    explanation,
 )
 """Every topic; what our own documentation says of smoothed friction is one of them."""
 
-SECTIONS: tuple[Section, ...] = tuple(part for topic in TOPICS for part in topic.sections)
+SECTIONS: tuple[Section, ...] = tuple(part for topic in TOPICS for part in topic.SECTIONS)
 """Every section of the report."""
 
-CLAIMS: tuple[Claim, ...] = tuple(claim for topic in TOPICS for claim in topic.claims)
+CLAIMS: tuple[Claim, ...] = tuple(claim for section in SECTIONS for claim in section.claims)
 """Every claim."""
-
-
-def of_section(name: str) -> tuple[Claim, ...]:
-    """The claims of a section of the report.
-
-    Args:
-        name: The section's name.
-
-    Returns:
-        Its claims, in the paper's order.
-    """
-    return tuple(claim for claim in CLAIMS if claim.section == name)
 
 
 def chosen(names: Sequence[str]) -> tuple[Section, ...]:
@@ -69,13 +57,12 @@ def chosen(names: Sequence[str]) -> tuple[Section, ...]:
     Raises:
         ValueError: If a name is unknown; the nearest known one is told.
     """
-    known = [section.name for section in SECTIONS]
+    every = [section.name for section in SECTIONS]
     for name in names:
-        if name not in known:
-            near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.3)
+        if name not in every:
+            near = difflib.get_close_matches(name.lower(), every, n=1, cutoff=0.3)
             hint = f" Did you mean `scdpr reproduce {near[0]}`?" if near else ""
             raise ValueError(
-                f"`NAME` is unknown, got {name!r}, expected one of: {', '.join(known)}.{hint}"
+                f"`NAME` is unknown, got {name!r}, expected one of: {', '.join(every)}.{hint}"
             )
-    wanted = set(names or known)
-    return tuple(section for section in SECTIONS if section.name in wanted)
+    return tuple(section for section in SECTIONS if section.name in (names or every))

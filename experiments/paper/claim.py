@@ -1,7 +1,8 @@
-"""A number that the paper prints, what this software makes of it, and the verdict."""
+"""Numbers that the paper prints, what this software makes of them, and the verdicts."""
 
 import dataclasses
 import enum
+import functools
 import math
 from collections.abc import Callable
 
@@ -20,36 +21,64 @@ class Verdict(enum.Enum):
 
 
 @dataclasses.dataclass(frozen=True)
-class Claim:
-    """One printed number with the verdict on it."""
+class Printed:
+    """A number as the paper prints it, and what says the same."""
 
-    section: str
-    """Name of the section of the report that it belongs to."""
     where: str
     """Where it is printed."""
-    what: str
-    """What is claimed."""
-    printed: str
+    text: str
     """As it is printed."""
     unit: str
     """Its unit, "1" for none."""
-    accepted: tuple[float, float]
-    """Smallest and largest number that still says the same."""
-    reason: str
+    tolerance: tuple[float, float] | None = None
+    """Smallest and largest number that still says the same; None for all that round to it."""
+    reason: str = "to the last printed digit"
     """Why so far and no further."""
+
+    @property
+    def accepted(self) -> tuple[float, float]:
+        """Smallest and largest number that still says the same."""
+        return self.tolerance or digits(self.text)
+
+    def _claim(
+        self,
+        verdict: Verdict,
+        what: str,
+        compute: Callable[[], float],
+        because: str = "",
+        *,
+        heavy: bool = False,
+    ) -> "Claim":
+        return Claim(self, what, compute, verdict, because, heavy)
+
+    given = functools.partialmethod(_claim, Verdict.GIVEN)
+    reproduced = functools.partialmethod(_claim, Verdict.REPRODUCED)
+    after_erratum = functools.partialmethod(_claim, Verdict.AFTER_ERRATUM)
+    not_reproducible = functools.partialmethod(_claim, Verdict.NOT_REPRODUCIBLE)
+    """Readings of the number by their verdict: `what`, `compute`, `because`, `heavy`."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Claim:
+    """One reading of a printed number, with the verdict on it."""
+
+    printed: Printed
+    """The number."""
+    what: str
+    """What is claimed."""
     compute: Callable[[], float]
     """What this software makes of it."""
     verdict: Verdict
     """The verdict."""
-    because: str = ""
+    because: str
     """Why, for a reader; the erratum's id where there is one."""
-    heavy: bool = False
+    heavy: bool
     """Whether computing it takes a simulation of many runs."""
 
     @property
     def name(self) -> str:
         """Where and what, in one line."""
-        return f"{self.where}: {self.what}"
+        return f"{self.printed.where}: {self.what}"
 
     def agrees(self, ours: float) -> bool:
         """Whether a number says what the paper says.
@@ -60,7 +89,7 @@ class Claim:
         Returns:
             Whether it lies within the tolerance.
         """
-        low, high = self.accepted
+        low, high = self.printed.accepted
         return low <= ours <= high
 
     def stands(self, ours: float) -> bool:
@@ -128,7 +157,3 @@ def at_most(value: float) -> tuple[float, float]:
         Smallest and largest accepted number.
     """
     return -math.inf, value
-
-
-AS_PRINTED = "to the last printed digit"
-"""The reason of a tolerance that is the print's own rounding."""

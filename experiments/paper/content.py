@@ -1,4 +1,4 @@
-"""What the report is made of: topics, their sections, and what these say and show."""
+"""What the report is made of: sections, and what these say, show and claim."""
 
 import dataclasses
 from collections.abc import Callable
@@ -8,16 +8,18 @@ from experiments.page.table import Table
 from experiments.paper.claim import Claim
 
 
-@dataclasses.dataclass(frozen=True)
 class Content:
     """What a section says and shows."""
 
-    sentences: tuple[str, ...]
-    """What was found, a sentence each."""
-    pictures: tuple[Picture, ...] = ()
-    """Its figures."""
-    tables: tuple[Table, ...] = ()
-    """Its tables."""
+    def __init__(self, *parts: str | Picture | Table) -> None:
+        """Take the parts, each kind in the order in which the page has it.
+
+        Args:
+            parts: What was found, a sentence each; figures; tables.
+        """
+        self.sentences = tuple(part for part in parts if isinstance(part, str))
+        self.pictures = tuple(part for part in parts if isinstance(part, Picture))
+        self.tables = tuple(part for part in parts if isinstance(part, Table))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,13 +34,5 @@ class Section:
     """How long it takes about, two cores and compiled functions at hand [s]."""
     build: Callable[[Pictures], Content]
     """What computes and draws it."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Topic:
-    """Something that the paper is about."""
-
-    sections: tuple[Section, ...]
-    """Its sections of the report."""
     claims: tuple[Claim, ...] = ()
-    """What is printed of it, and judged."""
+    """What is printed of it, and judged; in the paper's order."""

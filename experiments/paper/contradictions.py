@@ -4,7 +4,7 @@ import dataclasses
 import math
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
 
 
@@ -139,26 +139,20 @@ def contradictions(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    rows = tuple(
-        (
-            one.sum,
-            f"{one.comes_to:.4g}",
-            f"{one.number:.4g}",
-            one.unit,
-            one.printed,
-            one.erratum,
-        )
-        for one in CONTRADICTIONS
+    rows = (
+        {
+            "compute": each.sum,
+            "it comes to": f"{each.comes_to:.4g}",
+            "against": f"{each.number:.4g}",
+            "unit": each.unit,
+            "which is": each.printed,
+            "erratum": each.erratum,
+        }
+        for each in CONTRADICTIONS
     )
     return Content(
-        ("Each line can be checked with a pocket calculator and the paper alone.",),
-        tables=(
-            Table(
-                "The paper against itself",
-                ("compute", "it comes to", "against", "unit", "which is", "erratum"),
-                rows,
-            ),
-        ),
+        "Each line can be checked with a pocket calculator and the paper alone.",
+        table_of("The paper against itself", rows),
     )
 
 

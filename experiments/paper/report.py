@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from experiments.page.number_text import readable_unit, short
 from experiments.page.page import Pictures, page, versions
-from experiments.paper.catalogue import of_section
 from experiments.paper.claim import Claim, Verdict
 from experiments.paper.content import Content, Section
 from scdpr_jax.numerics.files import write_whole
@@ -42,7 +41,8 @@ class Judged:
     @property
     def unit(self) -> str:
         """The unit as it is printed."""
-        return "" if self.claim.unit == "1" else readable_unit(self.claim.unit)
+        unit = self.claim.printed.unit
+        return "" if unit == "1" else readable_unit(unit)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,15 +74,15 @@ def reproduce(
         Everything for the report.
     """
     total, done = sum(section.seconds for section in sections), 0.0
-    found: list[Reproduced] = []
-    picture = Pictures(lambda figure: keep(sections[len(found)].name, figure))
+    parts: list[Reproduced] = []
+    picture = Pictures(lambda figure: keep(sections[len(parts)].name, figure))
     for section in sections:
         progress(section.name, done / total)
         content = section.build(picture)
-        judged = tuple(Judged(claim, claim.compute()) for claim in of_section(section.name))
-        found.append(Reproduced(section, content, judged))
+        judged = tuple(Judged(claim, claim.compute()) for claim in section.claims)
+        parts.append(Reproduced(section, content, judged))
         done += section.seconds
-    return tuple(found)
+    return tuple(parts)
 
 
 def png_files(out: pathlib.Path) -> Callable[[str, Figure], None]:
@@ -105,24 +105,24 @@ def png_files(out: pathlib.Path) -> Callable[[str, Figure], None]:
     return keep
 
 
-def counts(found: Sequence[Reproduced]) -> dict[Verdict, int]:
+def counts(parts: Sequence[Reproduced]) -> dict[Verdict, int]:
     """How many claims have each verdict.
 
     Args:
-        found: What was reproduced.
+        parts: What was reproduced.
 
     Returns:
         Number of claims by verdict, every verdict among them.
     """
-    each = collections.Counter(one.claim.verdict for part in found for one in part.judged)
+    each = collections.Counter(one.claim.verdict for part in parts for one in part.judged)
     return {verdict: each[verdict] for verdict in Verdict}
 
 
-def write(found: Sequence[Reproduced], out: pathlib.Path) -> tuple[pathlib.Path, ...]:
+def write(parts: Sequence[Reproduced], out: pathlib.Path) -> tuple[pathlib.Path, ...]:
     """Write report.html and claims.csv, each whole or not at all.
 
     Args:
-        found: What was reproduced.
+        parts: What was reproduced.
         out: The folder.
 
     Returns:
@@ -135,21 +135,21 @@ def write(found: Sequence[Reproduced], out: pathlib.Path) -> tuple[pathlib.Path,
     text = page(
         "reproduce.html.j2",
         title="The paper, figure by figure, and judged",
-        found=found,
-        counts=[(verdict.value, count) for verdict, count in counts(found).items()],
-        fallen=[one for part in found for one in part.judged if not one.stands],
+        parts=parts,
+        counts=[(verdict.value, count) for verdict, count in counts(parts).items()],
+        fallen=[one for part in parts for one in part.judged if not one.stands],
         provenance=versions(),
     )
     write_whole(report, text)
-    write_whole(table, claims_table(found))
+    write_whole(table, claims_table(parts))
     return report, table
 
 
-def claims_table(found: Sequence[Reproduced]) -> str:
+def claims_table(parts: Sequence[Reproduced]) -> str:
     """The claims as CSV.
 
     Args:
-        found: What was reproduced.
+        parts: What was reproduced.
 
     Returns:
         The table, its header first.
@@ -157,7 +157,8 @@ def claims_table(found: Sequence[Reproduced]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_COLUMNS)
-    writer.writerows(_cells(one) for part in found for one in part.judged)
+    for part in parts:
+        writer.writerows(_cells(part.section.name, one) for one in part.judged)
     return text.getvalue()
 
 
@@ -176,8 +177,9 @@ _COLUMNS = (
 )
 
 
-def _cells(one: Judged) -> tuple[str, ...]:
-    claim = one.claim
-    low, high = (f"{bound:.6g}" for bound in claim.accepted)
-    told = (claim.section, claim.where, claim.what, claim.printed, f"{one.ours:.6g}")
-    return (*told, claim.unit, low, high, claim.reason, claim.verdict.value, claim.because)
+def _cells(section: str, judged: Judged) -> tuple[str, ...]:
+    claim, printed = judged.claim, judged.claim.printed
+    low, high = (f"{bound:.6g}" for bound in printed.accepted)
+    number = (printed.text, f"{judged.ours:.6g}", printed.unit, low, high, printed.reason)
+    verdict = (claim.verdict.value, claim.because)
+    return (section, printed.where, claim.what, *number, *verdict)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from experiments.page.number_text import plain, readable_unit, rounded
-from experiments.page.table import Table
+from experiments.page.table import Table, table_of
 from experiments.studies.findings.measured import MeasuredFit
 from identification.checks.posterior import Posterior
 from identification.checks.profile import Profile
@@ -24,27 +24,20 @@ def model_tables(estimate: Estimate) -> tuple[Table, ...]:
     """
     if not estimate.models:
         return ()
-    held_out = estimate.models[0].held_out is not None
-    header = (
-        "model",
-        "misfit",
-        "AIC",
-        "BIC",
-        *(("held-out path, rms [mm]",) if held_out else ()),
-    )
     best = estimate.models[estimate.choice]
-    rows = tuple(
-        (
-            _label(model) + (" ← chosen" if model is best else ""),
-            plain(model.misfit, 4),
-            f"{model.aic - best.aic:+.0f}",
-            f"{model.bic - best.bic:+.0f}",
-            *((plain(1e3 * model.path_error, 3),) if held_out else ()),
-        )
+    rows = [
+        {
+            "model": _label(model) + (" ← chosen" if model is best else ""),
+            "misfit": plain(model.misfit, 4),
+            "AIC": f"{model.aic - best.aic:+.0f}",
+            "BIC": f"{model.bic - best.bic:+.0f}",
+        }
         for model in estimate.models
-    )
-    title = "Models compared (AIC and BIC over the chosen one's)"
-    return (Table(title, header, rows),)
+    ]
+    if estimate.models[0].held_out is not None:
+        for row, model in zip(rows, estimate.models, strict=True):
+            row["held-out path, rms [mm]"] = plain(1e3 * model.path_error, 3)
+    return (table_of("Models compared (AIC and BIC over the chosen one's)", rows),)
 
 
 def _label(model: Model) -> str:
@@ -60,21 +53,20 @@ def measured_tables(fits: Sequence[MeasuredFit]) -> tuple[Table, ...]:
     Returns:
         One table, or none where nothing was.
     """
-    rows = tuple(
-        (
-            fit.measured.name.replace("_", " "),
-            fit.measured.setting or "",
-            rounded(float(fit.measured.value), float(fit.measured.sigma)),
-            rounded(float(fit.measured.sigma), float(fit.measured.sigma)),
-            rounded(fit.value, float(fit.measured.sigma)),
-            "" if fit.measured.unit == "1" else readable_unit(fit.measured.unit),
-            plain(fit.deviation, 2),
-        )
+    rows = (
+        {
+            "what": fit.measured.name.replace("_", " "),
+            "at": fit.measured.setting or "",
+            "measured": rounded(float(fit.measured.value), float(fit.measured.sigma)),
+            "± σ": rounded(float(fit.measured.sigma), float(fit.measured.sigma)),
+            "fitted": rounded(fit.value, float(fit.measured.sigma)),
+            "unit": "" if fit.measured.unit == "1" else readable_unit(fit.measured.unit),
+            "apart [σ]": plain(fit.deviation, 2),
+        }
         for fit in fits
     )
-    header = ("what", "at", "measured", "± σ", "fitted", "unit", "apart [σ]")
     title = "Measured otherwise, and what the fit makes of it"
-    return (Table(title, header, rows),) if rows else ()
+    return (table_of(title, rows),) if fits else ()
 
 
 def moved_table(identifiable: Identifiability) -> Table:
@@ -86,21 +78,18 @@ def moved_table(identifiable: Identifiability) -> Table:
     Returns:
         By how many standard deviations of the noise 1 % of each quantity moves them.
     """
-    header = (
-        "run",
-        "sensor",
-        *(name.replace("_", " ") + (f" {s}" if s else "") for name, s in identifiable.names),
+    names = [name.replace("_", " ") + (f" {s}" if s else "") for name, s in identifiable.names]
+    rows = tuple(
+        (run, sensor, *map(_standard_deviations, moved.tolist()))
+        for run, groups in zip(identifiable.runs, identifiable.moved, strict=True)
+        for sensor, moved in zip(SENSORS, groups, strict=True)
+        if moved.any()
     )
-    rows = []
-    for run, groups in zip(identifiable.runs, identifiable.moved, strict=True):
-        for sensor, moved in zip(SENSORS, groups, strict=True):
-            if moved.any():
-                rows.append((run, sensor, *map(_standard_deviations, moved.tolist())))
     return Table(
         "What 1 % of each quantity moves, in standard deviations of the noise, all samples "
         "of a run together",
-        header,
-        tuple(rows),
+        ("run", "sensor", *names),
+        rows,
     )
 
 
@@ -120,12 +109,12 @@ def profile_table(profiles: Sequence[Profile]) -> Table:
     """
     rows = tuple(
         (
-            one.name,
-            one.setting or "",
-            one.label,
-            *("none" if math.isinf(end) else plain(end, 6) for end in one.ends),
+            profile.name,
+            profile.setting or "",
+            profile.label,
+            *("none" if math.isinf(end) else plain(end, 6) for end in profile.ends),
         )
-        for one in profiles
+        for profile in profiles
     )
     return Table("Profile likelihood", ("quantity", "setting", "is", "from", "to"), rows)
 
@@ -139,17 +128,18 @@ def posterior_table(posterior: Posterior) -> Table:
     Returns:
         A row for each quantity: its mean, spread and interval, and how far the chains agree.
     """
-    rows = tuple(
-        (
-            name,
-            setting or "",
-            rounded(mean, spread),
-            rounded(spread, spread),
-            *(rounded(end, spread) for end in ends),
-            f"{r_hat:.3f}",
-            f"{effective:.0f}",
-        )
-        for (name, setting), mean, spread, ends, r_hat, effective in zip(
+    rows = (
+        {
+            "quantity": name,
+            "setting": setting or "",
+            "mean": rounded(mean, spread),
+            "± σ": rounded(spread, spread),
+            "95 % from": rounded(low, spread),
+            "to": rounded(high, spread),
+            "r-hat": f"{r_hat:.3f}",
+            "draws": f"{effective:.0f}",
+        }
+        for (name, setting), mean, spread, (low, high), r_hat, effective in zip(
             posterior.names,
             posterior.mean.tolist(),
             posterior.sigma.tolist(),
@@ -159,5 +149,4 @@ def posterior_table(posterior: Posterior) -> Table:
             strict=True,
         )
     )
-    header = ("quantity", "setting", "mean", "± σ", "95 % from", "to", "r-hat", "draws")
-    return Table("Posterior (draws: how many independent ones)", header, rows)
+    return table_of("Posterior (draws: how many independent ones)", rows)

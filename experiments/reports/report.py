@@ -22,7 +22,7 @@ from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_view import robot_view, shown_instants
 from experiments.page.number_text import percent, plain
 from experiments.page.page import Picture, Pictures, page, versions
-from experiments.page.table import Table
+from experiments.page.table import Table, table_of
 from experiments.reports.drive_report import write_drive_report as write_drive_report
 from experiments.reports.influence_tables import influence_tables
 from experiments.reports.knock_table import knock_table_with_fft
@@ -217,18 +217,19 @@ def _fit_pictures(estimate: Estimate, picture: Pictures) -> Iterator[Picture]:
 
 
 def _predictions(predictions: Sequence[Prediction]) -> Table:
-    header = ("run", "error, rms [mm]", "largest [mm]", "motion [mm]", "rms over motion")
-    rows = tuple(
+    return table_of(
+        "",
         (
-            prediction.run,
-            plain(1e3 * prediction.error),
-            plain(1e3 * prediction.largest),
-            plain(1e3 * prediction.motion, 4),
-            percent(prediction.share),
-        )
-        for prediction in predictions
+            {
+                "run": prediction.run,
+                "error, rms [mm]": plain(1e3 * prediction.error),
+                "largest [mm]": plain(1e3 * prediction.largest),
+                "motion [mm]": plain(1e3 * prediction.motion, 4),
+                "rms over motion": percent(prediction.share),
+            }
+            for prediction in predictions
+        ),
     )
-    return Table("", header, rows)
 
 
 def _map_pictures(findings: Findings, picture: Pictures) -> Iterator[Picture]:

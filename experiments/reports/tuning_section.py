@@ -11,7 +11,7 @@ from experiments.figures.tuning.shaper_response import shaper_response
 from experiments.figures.tuning.tracking import tracking
 from experiments.page.number_text import capitalised, percent, plain, short
 from experiments.page.page import Picture, Pictures
-from experiments.page.table import Table
+from experiments.page.table import Table, table_of
 from experiments.studies.findings.tuning import TuningFindings, region_name
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot
@@ -53,7 +53,12 @@ def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
     Returns:
         The tables that aren't empty.
     """
-    tables = (_gains(tuning), _shapers(tuning), _predicted(tuning))
+    shapers = map(_shaper, tuning.shapers)
+    tables = (
+        _gains(tuning),
+        table_of("Shapers, for legs that end in the region", shapers),
+        _predicted(tuning),
+    )
     return tuple(table for table in tables if table.rows)
 
 
@@ -77,36 +82,19 @@ def _gains(tuning: Tuning) -> Table:
     )
 
 
-def _shapers(tuning: Tuning) -> Table:
-    return Table(
-        "Shapers, for legs that end in the region",
-        (
-            "region",
-            "frequency [Hz]",
-            "band [Hz]",
-            "from",
-            "times [ms]",
-            "amplitudes [1]",
-            "left, nominal",
-            "worst",
-        ),
-        tuple(_shaper(regional) for regional in tuning.shapers),
-    )
-
-
-def _shaper(regional: RegionalShaper) -> tuple[str, ...]:
+def _shaper(regional: RegionalShaper) -> dict[str, str]:
     times = np.atleast_1d(np.asarray(regional.shaper.times))
     amplitudes = np.atleast_1d(np.asarray(regional.shaper.amplitudes))
-    return (
-        region_name(regional),
-        short(regional.frequency, 4),
-        f"{short(regional.band[0], 4)} … {short(regional.band[1], 4)}",
-        "knock" if regional.measured else "model",
-        ", ".join(short(1e3 * float(time), 3) for time in times),
-        ", ".join(short(float(amplitude), 3) for amplitude in amplitudes),
-        percent(regional.residual_vibration.nominal),
-        percent(regional.residual_vibration.worst),
-    )
+    return {
+        "region": region_name(regional),
+        "frequency [Hz]": short(regional.frequency, 4),
+        "band [Hz]": f"{short(regional.band[0], 4)} … {short(regional.band[1], 4)}",
+        "from": "knock" if regional.measured else "model",
+        "times [ms]": ", ".join(short(1e3 * float(time), 3) for time in times),
+        "amplitudes [1]": ", ".join(short(float(share), 3) for share in amplitudes),
+        "left, nominal": percent(regional.residual_vibration.nominal),
+        "worst": percent(regional.residual_vibration.worst),
+    }
 
 
 _COMPARED = (
@@ -120,21 +108,18 @@ _COMPARED = (
 
 
 def _predicted(tuning: Tuning) -> Table:
-    def line(name: str, metrics: Metrics) -> tuple[str, ...]:
-        return (name, *(plain(f * getattr(metrics, field), 3) for _, f, field in _COMPARED))
-
-    return Table(
+    return table_of(
         "Manoeuvres, simulated before and after",
-        ("manoeuvre", *(name for name, _, _ in _COMPARED)),
-        tuple(
-            row
+        (
+            {"manoeuvre": f"{manoeuvre.name}, {side}", **_metrics(metrics)}
             for manoeuvre in tuning.predicted
-            for row in (
-                line(f"{manoeuvre.name}, before", manoeuvre.before),
-                line(f"{manoeuvre.name}, after", manoeuvre.after),
-            )
+            for side, metrics in (("before", manoeuvre.before), ("after", manoeuvre.after))
         ),
     )
+
+
+def _metrics(metrics: Metrics) -> dict[str, str]:
+    return {name: plain(f * getattr(metrics, field), 3) for name, f, field in _COMPARED}
 
 
 def _pictures(findings: TuningFindings, robot: Robot, picture: Pictures) -> Iterator[Picture]:

@@ -3,21 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLUE,
-    GREY,
-    VERMILION,
-    figure_legend,
-    label,
-    new_figure,
-    styled,
-    thinned,
-)
+from experiments.page import style
 from identification.axis.drive_axis import DriveAxisEstimate
 from identification.axis.log import AxisLog
 
 
-@styled
+@style.styled
 def axis_figure(log: AxisLog, estimate: DriveAxisEstimate) -> Figure:
     """Position, residual and command of an axis.
 
@@ -31,21 +22,25 @@ def axis_figure(log: AxisLog, estimate: DriveAxisEstimate) -> Figure:
     unit = "mm" if log.position_unit == "m" else "mrad"
     time, measured = np.asarray(log.time), 1e3 * np.asarray(log.position)
     simulated = 1e3 * np.asarray(estimate.positions)
-    figure = new_figure(height=5.6)
+    figure = style.new_figure(height=5.6)
     position, residual, command = figure.subplots(
         3, 1, sharex=True, height_ratios=(2, 1.2, 0.9)
     )
-    position.plot(*thinned(time, measured), color=BLUE, lw=3.5, alpha=0.5, label="measured")
     position.plot(
-        *thinned(time, simulated), color=VERMILION, lw=1.2, label="simulated, open loop"
+        *style.thinned(time, measured), color=style.BLUE, lw=3.5, alpha=0.5, label="measured"
     )
-    position.set_ylabel(label("position", unit))
-    residual.plot(*thinned(time, measured - simulated), color=BLUE, lw=1.0)
-    residual.axhline(0, color=GREY, lw=0.6)
-    residual.set_ylabel(label("residual", unit))
-    command.plot(*thinned(time, np.asarray(log.voltage)), color=BLUE, lw=1.0)
-    command.set_ylabel(label("command", "V"))
-    command.set_xlabel(label("time", "s"))
+    position.plot(
+        *style.thinned(time, simulated),
+        color=style.VERMILION,
+        lw=1.2,
+        label="simulated, open loop",
+    )
+    position.set_ylabel(f"position [{unit}]")
+    residual.plot(*style.thinned(time, measured - simulated), color=style.BLUE, lw=1.0)
+    residual.axhline(0, color=style.GREY, lw=0.6)
+    residual.set_ylabel(f"residual [{unit}]")
+    command.plot(*style.thinned(time, np.asarray(log.voltage)), color=style.BLUE, lw=1.0)
+    command.set(ylabel="command [V]", xlabel="time [s]")
     figure.align_ylabels()
-    figure_legend(figure, position)
+    style.figure_legend(figure, position)
     return figure

@@ -8,7 +8,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from experiments.page.style import BLACK, new_figure, styled
+from experiments.page import style
 
 _SHADES = LinearSegmentedColormap.from_list(
     "correlation", ["#0072b2", "#a9d1ea", "#ffffff", "#f3c39b", "#d55e00"]
@@ -16,7 +16,7 @@ _SHADES = LinearSegmentedColormap.from_list(
 _STRONG = 0.9
 
 
-@styled
+@style.styled
 def correlation(names: Sequence[str], matrix: Float[np.ndarray, "n n"]) -> Figure:
     """A correlation matrix with its numbers; from 0.9 on they are bold and framed.
 
@@ -28,7 +28,7 @@ def correlation(names: Sequence[str], matrix: Float[np.ndarray, "n n"]) -> Figur
         The figure.
     """
     count = len(names)
-    figure = new_figure(height=0.9 + 0.42 * count, width=3.2 + 0.95 * count)
+    figure = style.new_figure(height=0.9 + 0.42 * count, width=3.2 + 0.95 * count)
     axes = figure.subplots()
     for row in range(count):
         for column in range(row + 1):
@@ -40,7 +40,7 @@ def correlation(names: Sequence[str], matrix: Float[np.ndarray, "n n"]) -> Figur
                     0.92,
                     0.88,
                     facecolor=_SHADES(0.5 + 0.5 * value) if row != column else "#ececec",
-                    edgecolor=BLACK if strong else "#d5d5d5",
+                    edgecolor=style.BLACK if strong else "#d5d5d5",
                     lw=2.0 if strong else 0.6,
                 )
             )
@@ -52,10 +52,9 @@ def correlation(names: Sequence[str], matrix: Float[np.ndarray, "n n"]) -> Figur
                 va="center",
                 fontsize=9,
                 weight="bold" if strong else "normal",
-                color="white" if row != column and abs(value) > 0.8 else BLACK,
+                color="white" if row != column and abs(value) > 0.8 else style.BLACK,
             )
-    axes.set_xlim(0, count)
-    axes.set_ylim(count, 0)
+    axes.set(xlim=(0, count), ylim=(count, 0))
     axes.set_yticks(np.arange(count) + 0.5, names)
     axes.set_xticks(np.arange(count) + 0.5, [name.replace(" ", "\n", 2) for name in names])
     axes.tick_params(length=0)

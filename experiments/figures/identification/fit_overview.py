@@ -8,9 +8,9 @@ from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from experiments.page import style
 from experiments.page.coordinates import COORDINATES
 from experiments.page.number_text import plain
-from experiments.page.style import BLACK, VERMILION, new_figure, styled
 from identification.fit.comparison import ENCODERS, Comparison
 
 _LIGHTEST, _DARKEST = 1.0, 1e4  # mean squares between which the colour changes
@@ -43,7 +43,7 @@ def misfits(
     return square, noise
 
 
-@styled
+@style.styled
 def fit_overview(comparisons: Sequence[Comparison]) -> Figure:
     """A table of runs and channels: the mean squared residual in units of the noise.
 
@@ -57,7 +57,7 @@ def fit_overview(comparisons: Sequence[Comparison]) -> Figure:
     """
     square, noise = misfits(comparisons)
     rows, columns = square.shape
-    figure = new_figure(height=1.1 + 0.29 * rows, width=9.0)
+    figure = style.new_figure(height=1.1 + 0.29 * rows, width=9.0)
     axes = figure.subplots()
     norm = LogNorm(_LIGHTEST, _DARKEST, clip=True)
     # Frames last, so that no neighbour covers them.
@@ -74,7 +74,7 @@ def fit_overview(comparisons: Sequence[Comparison]) -> Figure:
                 0.92,
                 0.88,
                 facecolor=shade,
-                edgecolor="#c9d3da" if plain_cell else BLACK,
+                edgecolor="#c9d3da" if plain_cell else style.BLACK,
                 lw=0.6 if plain_cell else 2.0,
             )
         )
@@ -87,15 +87,14 @@ def fit_overview(comparisons: Sequence[Comparison]) -> Figure:
             va="center",
             fontsize=9,
             weight="normal" if plain_cell else "bold",
-            color="white" if dark else BLACK,
+            color="white" if dark else style.BLACK,
         )
     _ticks(figure, axes, comparisons)
     return figure
 
 
 def _ticks(figure, axes, comparisons: Sequence[Comparison]) -> None:
-    axes.set_xlim(0, len(COORDINATES))
-    axes.set_ylim(len(comparisons), 0)
+    axes.set(xlim=(0, len(COORDINATES)), ylim=(len(comparisons), 0))
     symbols = [
         f"{coordinate.symbol}\n{'encoder' if name in ENCODERS else 'camera'}"
         for name, coordinate in COORDINATES.items()
@@ -108,7 +107,7 @@ def _ticks(figure, axes, comparisons: Sequence[Comparison]) -> None:
     axes.set_yticks(np.arange(len(names)) + 0.5, names)
     for text, comparison in zip(axes.get_yticklabels(), comparisons, strict=True):
         if comparison.held_out:
-            text.set_color(VERMILION)
+            text.set_color(style.VERMILION)
             text.set_weight("bold")
     axes.xaxis.tick_top()
     axes.tick_params(length=0)
@@ -118,7 +117,10 @@ def _ticks(figure, axes, comparisons: Sequence[Comparison]) -> None:
     handles = [
         Patch(facecolor="#f4f8fb", edgecolor="#c9d3da", label="may be the sensor's noise"),
         Patch(
-            facecolor="#f6c177", edgecolor=BLACK, lw=2, label="more than noise (bold, framed)"
+            facecolor="#f6c177",
+            edgecolor=style.BLACK,
+            lw=2,
+            label="more than noise (bold, framed)",
         ),
     ]
     figure.legend(handles=handles, loc="outside upper right", ncols=2)

@@ -9,22 +9,13 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from experiments.page import style
 from experiments.page.number_text import plain, rounded
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    VERMILION,
-    figure_legend,
-    label,
-    new_figure,
-    styled,
-)
 from experiments.studies.findings.knocks import ModelCurve
 from identification.knocks.frequency_map import FrequencyMap
 
 
-@styled
+@style.styled
 def frequency_map(
     frequencies: FrequencyMap, *, size: tuple[float, float], settings: Sequence[float]
 ) -> Figure:
@@ -38,7 +29,7 @@ def frequency_map(
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.9 * len(settings) + 0.2, width=9.0)
+    figure = style.new_figure(height=3.9 * len(settings) + 0.2, width=9.0)
     grid = np.atleast_1d(figure.subplots(len(settings), 1))
     low, high = float(frequencies.frequency.min()), float(frequencies.frequency.max())
     margin = 0.02 * high + 0.5 * (high - low) * (high == low)
@@ -50,18 +41,20 @@ def frequency_map(
             _knock(axes, frequencies, row, shade)
         axes.set_title(f"nominal pretension {setting:g} N")
     bar = figure.colorbar(shade, ax=list(grid), shrink=0.8, pad=0.01)
-    bar.set_label(label("natural frequency", "Hz"))
+    bar.set_label("natural frequency [Hz]")
     return figure
 
 
 def _frame(axes: Axes, size: tuple[float, float]) -> None:
     width, height = (1e3 * length for length in size)
-    axes.add_patch(Rectangle((0, 0), width, height, fill=False, lw=2.5, edgecolor=GREY))
-    axes.set_xlim(-0.03 * width, 1.03 * width)
-    axes.set_ylim(-0.05 * height, 1.05 * height)
-    axes.set_aspect("equal")
-    axes.set_xlabel(label("xₑ", "mm"))
-    axes.set_ylabel(label("yₑ", "mm"))
+    axes.add_patch(Rectangle((0, 0), width, height, fill=False, lw=2.5, edgecolor=style.GREY))
+    axes.set(
+        xlim=(-0.03 * width, 1.03 * width),
+        ylim=(-0.05 * height, 1.05 * height),
+        aspect="equal",
+        xlabel="xₑ [mm]",
+        ylabel="yₑ [mm]",
+    )
 
 
 def _knock(axes: Axes, frequencies: FrequencyMap, row: int, shade: ScalarMappable) -> None:
@@ -74,7 +67,7 @@ def _knock(axes: Axes, frequencies: FrequencyMap, row: int, shade: ScalarMappabl
         "o" if noise else "s",
         ms=13,
         color=shade.to_rgba(value),
-        mec=BLACK,
+        mec=style.BLACK,
         mew=1.0 if noise else 2.0,
     )
     # One digit of the error here, both in the table: maps have many poses.
@@ -90,7 +83,7 @@ def _knock(axes: Axes, frequencies: FrequencyMap, row: int, shade: ScalarMappabl
     )
 
 
-@styled
+@style.styled
 def frequency_over_height(frequencies: FrequencyMap, curves: dict[float, ModelCurve]) -> Figure:
     """Measured natural frequencies beside the model's, both carriages held.
 
@@ -102,17 +95,17 @@ def frequency_over_height(frequencies: FrequencyMap, curves: dict[float, ModelCu
         The figure, one panel for each pretension that was measured.
     """
     settings = sorted(set(frequencies.pretension.tolist()))
-    figure = new_figure(height=3.6, width=max(6.5, 4.2 * len(settings)))
+    figure = style.new_figure(height=3.6, width=max(6.5, 4.2 * len(settings)))
     grid = np.atleast_1d(figure.subplots(1, len(settings), sharey=True))
     for axes, setting in zip(grid, settings, strict=True):
         if setting in curves:
             curve = curves[setting]
-            for mode, style in enumerate(("-", "--")):
+            for mode, dashes in enumerate(("-", "--")):
                 axes.plot(
                     1e3 * curve.height,
                     curve.frequency[:, mode],
-                    color=VERMILION,
-                    ls=style,
+                    color=style.VERMILION,
+                    ls=dashes,
                     label=f"model, mode {mode + 1}",
                 )
         here = frequencies.pretension == setting
@@ -122,14 +115,12 @@ def frequency_over_height(frequencies: FrequencyMap, curves: dict[float, ModelCu
             yerr=2 * frequencies.frequency_sigma[here],
             fmt="o",
             ms=6,
-            color=BLUE,
+            color=style.BLUE,
             capsize=4,
             label="measured, ±2 σ",
             zorder=3,
         )
-        axes.set_xlabel(label("yₑ", "mm"))
-        axes.set_title(f"nominal pretension {setting:g} N")
-        axes.set_ylim(bottom=0)
-    grid[0].set_ylabel(label("natural frequency", "Hz"))
-    figure_legend(figure, grid[0])
+        axes.set(xlabel="yₑ [mm]", title=f"nominal pretension {setting:g} N", ylim=(0, None))
+    grid[0].set_ylabel("natural frequency [Hz]")
+    style.figure_legend(figure, grid[0])
     return figure

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
+from experiments.page import style
 from experiments.page.number_text import percent, plain
-from experiments.page.style import BLACK, BLUE, GREY, VERMILION, label, new_figure, styled
 from identification.judge.uncertainty import UNSEEN, WEAK, ParameterEstimate, magnitude
 
 
@@ -69,7 +69,7 @@ def shown_name(parameter: ParameterEstimate) -> str:
     return words if parameter.setting is None else f"{words} at {parameter.setting}"
 
 
-@styled
+@style.styled
 def intervals(
     parameters: Sequence[ParameterEstimate], *, truth: dict[str, float] | None = None
 ) -> Figure:
@@ -83,7 +83,7 @@ def intervals(
         The figure.
     """
     rows = relative_intervals(parameters, truth=truth)
-    figure = new_figure(height=1.2 + 0.38 * len(rows), width=9.0)
+    figure = style.new_figure(height=1.2 + 0.38 * len(rows), width=9.0)
     axes = figure.subplots()
     sizes = [100 * row.half_width for row in rows if 0 < row.half_width < np.inf]
     errors = [100 * abs(row.error) for row in rows if row.error]
@@ -91,7 +91,7 @@ def intervals(
     most = max(300.0, *sizes, *errors) if sizes or errors else 300.0
     for place, row in enumerate(rows):
         end = min(max(100 * row.half_width, least), most)
-        axes.plot([least, end], [place, place], color=BLUE, lw=7, solid_capstyle="butt")
+        axes.plot([least, end], [place, place], color=style.BLUE, lw=7, solid_capstyle="butt")
         note = f"±{percent(row.half_width)}  {row.status.replace('_', ' ')}"
         axes.annotate(
             note,
@@ -102,10 +102,12 @@ def intervals(
             fontsize=9,
         )
         if row.error:
-            axes.plot(100 * abs(row.error), place, "X", color=VERMILION, ms=8, mew=0, zorder=3)
+            axes.plot(
+                100 * abs(row.error), place, "X", color=style.VERMILION, ms=8, mew=0, zorder=3
+            )
     for limit, text in ((WEAK, "weak"), (UNSEEN, "unidentifiable")):
         # A standard error's limit, drawn at the two of them that half an interval is about.
-        axes.axvline(200 * limit, color=GREY, ls="--", lw=0.9)
+        axes.axvline(200 * limit, color=style.GREY, ls="--", lw=0.9)
         axes.annotate(
             f"{text} →",
             (200 * limit, 1.0),
@@ -113,21 +115,26 @@ def intervals(
             xytext=(2, 2),
             textcoords="offset points",
             fontsize=8,
-            color=GREY,
+            color=style.GREY,
         )
     if any(row.error for row in rows):
         axes.plot(
-            [], [], "X", color=VERMILION, ms=8, mew=0, ls="", label="distance from the truth"
+            [],
+            [],
+            "X",
+            color=style.VERMILION,
+            ms=8,
+            mew=0,
+            ls="",
+            label="distance from the truth",
         )
-        axes.plot([], [], color=BLUE, lw=7, label="half of the 95 % interval")
+        axes.plot([], [], color=style.BLUE, lw=7, label="half of the 95 % interval")
         figure.legend(loc="outside upper right", ncols=2)
-    axes.set_xscale("log")
-    axes.set_xlim(least, 3 * most)
-    axes.set_ylim(len(rows) - 0.4, -0.6)
-    axes.set_yticks(range(len(rows)), [row.name for row in rows], color=BLACK)
+    axes.set(xscale="log", xlim=(least, 3 * most), ylim=(len(rows) - 0.4, -0.6))
+    axes.set_yticks(range(len(rows)), [row.name for row in rows], color=style.BLACK)
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
-    axes.set_xlabel(label("half of the 95 % interval, relative to the value", "%"))
+    axes.set_xlabel("half of the 95 % interval, relative to the value [%]")
     axes.xaxis.set_major_formatter(lambda value, _: plain(value, 1))
     axes.xaxis.set_minor_locator(NullLocator())
     return figure

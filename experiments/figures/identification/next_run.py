@@ -7,17 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from experiments.page import style
 from experiments.page.number_text import plain
-from experiments.page.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    VERMILION,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-)
 from experiments.studies.next_run import Aim
 from identification.next_run.excitation import STEP
 from identification.next_run.expected_information import MARGIN, Rig, motion
@@ -25,7 +16,7 @@ from identification.next_run.next_experiment import Candidate, stacked
 from scdpr_jax.robot.quantities import value
 
 
-@styled
+@style.styled
 def next_run_figure(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Figure:
     """Every candidate's worth a second, and the best one's voltages and path.
 
@@ -37,34 +28,32 @@ def next_run_figure(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Figu
     Returns:
         The figure.
     """
-    figure = new_figure(height=1.8 + 0.32 * max(len(candidates), 9))
+    figure = style.new_figure(height=1.8 + 0.32 * max(len(candidates), 9))
     worth, right = figure.subfigures(1, 2, width_ratios=(1.05, 1.0))
     _worth(worth.subplots(), aim, candidates)
     volts, path = right.subplots(2, 1, sharex=True)
     run = candidates[0].excitation
     time = STEP * np.arange(len(run.voltage) + 1)
     limit = float(value(rig.robot, "voltage_limit"))
-    for drive, colour in enumerate((BLUE, VERMILION)):
+    for drive, colour in enumerate((style.BLUE, style.VERMILION)):
         held = np.append(run.voltage[:, drive], 0.0)
         volts.step(time, held, where="post", color=colour, label=f"drive {drive + 1}")
     _limits(volts, (-limit, limit), "limit")
-    volts.set_ylabel(label("voltage", "V"))
-    volts.set_title(run.name)
-    legend_above(volts)
+    volts.set(ylabel="voltage [V]", title=run.name)
+    style.legend_above(volts)
     states = motion(rig, jax.tree.map(lambda leaf: leaf[0], stacked([run], len(run.voltage))))
     place, frame = np.asarray(states.position), rig.robot.frame
-    path.plot(time, place[:, 0], color=BLUE, label="x")
-    path.plot(time, place[:, 4], color=ORANGE, label="y")
+    path.plot(time, place[:, 0], color=style.BLUE, label="x")
+    path.plot(time, place[:, 4], color=style.ORANGE, label="y")
     _limits(path, (MARGIN, float(frame.width) - MARGIN), "limit of x")
-    path.set_ylabel(label("end-effector", "m"))
-    path.set_xlabel(label("time", "s"))
-    legend_above(path)
+    path.set(ylabel="end-effector [m]", xlabel="time [s]")
+    style.legend_above(path)
     return figure
 
 
 def _worth(axes: Axes, aim: Aim, candidates: Sequence[Candidate]) -> None:
     rates = [one.rate for one in candidates]
-    colours = [BLUE if one.excitation.designed else GREY for one in candidates]
+    colours = [style.BLUE if one.excitation.designed else style.GREY for one in candidates]
     places = range(len(candidates))
     axes.barh(places, rates, color=colours, height=0.62)
     for place, one in zip(places, candidates, strict=True):
@@ -77,13 +66,13 @@ def _worth(axes: Axes, aim: Aim, candidates: Sequence[Candidate]) -> None:
             fontsize=8,
         )
     axes.set_yticks(places, [one.excitation.name for one in candidates])
-    axes.set_ylim(len(candidates) - 0.4, -0.6)
-    axes.set_xlim(0, 1.5 * max(*rates, 1e-6))
+    axes.set(ylim=(len(candidates) - 0.4, -0.6), xlim=(0, 1.5 * max(*rates, 1e-6)))
     axes.grid(False, axis="y")
-    axes.set_title(f"Interval of {aim.title}")
-    axes.set_xlabel(label("logarithm of its narrowing, a second", "1/s"))
+    axes.set(
+        title=f"Interval of {aim.title}", xlabel="logarithm of its narrowing, a second [1/s]"
+    )
 
 
 def _limits(axes: Axes, limits: tuple[float, float], name: str) -> None:
     for limit, told in zip(limits, (name, None), strict=True):
-        axes.axhline(limit, color=GREY, ls="--", lw=0.9, label=told)
+        axes.axhline(limit, color=style.GREY, ls="--", lw=0.9, label=told)

@@ -5,8 +5,8 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from experiments.page import style
 from experiments.page.coordinates import CAMERA, ENCODERS
-from experiments.page.style import BLUE, GREY, ORANGE, label, legend_above, new_figure, styled
 from identification.fit.comparison import Comparison
 
 _BINS = 150
@@ -39,7 +39,7 @@ def residuals_in_sigma(
     return found
 
 
-@styled
+@style.styled
 def residuals(comparison: Comparison) -> Figure:
     """Residuals of a run over time, the band of two standard deviations shaded.
 
@@ -51,7 +51,7 @@ def residuals(comparison: Comparison) -> Figure:
     """
     found = residuals_in_sigma(comparison)
     camera = [coordinate for coordinate in CAMERA if coordinate.name in found]
-    figure = new_figure(height=2.4)
+    figure = style.new_figure(height=2.4)
     grid = np.atleast_1d(figure.subplots(1, 2 if camera else 1, sharex=True))
     if camera:
         for coordinate in camera:
@@ -66,7 +66,7 @@ def residuals(comparison: Comparison) -> Figure:
                 label=coordinate.symbol,
             )
         _finish(grid[0], "camera residual")
-    for coordinate, color in zip(ENCODERS, (BLUE, ORANGE), strict=True):
+    for coordinate, color in zip(ENCODERS, (style.BLUE, style.ORANGE), strict=True):
         if coordinate.name in found:
             _band(grid[-1], *found[coordinate.name], color=color, name=coordinate.symbol)
     _finish(grid[-1], "encoder residual")
@@ -98,9 +98,8 @@ def _band(
 
 def _finish(axes: Axes, name: str) -> None:
     axes.axhspan(-2, 2, color="#ececec", zorder=0, label="±2 σ")
-    axes.axhline(0, color=GREY, lw=0.6)
-    axes.set_xlabel(label("time", "s"))
-    axes.set_ylabel(label(name, "σ"))
+    axes.axhline(0, color=style.GREY, lw=0.6)
+    axes.set(xlabel="time [s]", ylabel=f"{name} [σ]")
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, -_LEAST), max(high, _LEAST))
-    legend_above(axes, columns=6)
+    style.legend_above(axes, columns=6)

@@ -2,20 +2,12 @@
 
 from matplotlib.figure import Figure
 
+from experiments.page import style
 from experiments.page.number_text import rounded
-from experiments.page.style import (
-    BLUE,
-    GREY,
-    VERMILION,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-)
 from experiments.studies.findings.knocks import KnockDecay
 
 
-@styled
+@style.styled
 def ring_down_figure(decay: KnockDecay) -> Figure:
     """A knock's displacement with its fitted decay, and its spectrum.
 
@@ -26,37 +18,35 @@ def ring_down_figure(decay: KnockDecay) -> Figure:
         The figure.
     """
     fit = decay.ring_down
-    figure = new_figure(height=2.5)
+    figure = style.new_figure(height=2.5)
     left, right = figure.subplots(1, 2, width_ratios=(2.2, 1))
     left.plot(
         decay.time,
         1e3 * decay.displacement,
         "o",
         ms=2.8,
-        color=BLUE,
+        color=style.BLUE,
         alpha=0.8,
         label="camera",
         zorder=3,
     )
     left.plot(
-        decay.curve_time, 1e3 * decay.curve, color=VERMILION, lw=1.4, label="fitted decay"
+        decay.curve_time, 1e3 * decay.curve, color=style.VERMILION, lw=1.4, label="fitted decay"
     )
     left.axvspan(*fit.window, color="#ececec", zorder=0, label="fitted window")
-    left.set_xlabel(label("camera time", "s"))
-    left.set_ylabel(label("xₑ", "mm"))
-    legend_above(left)
+    left.set(xlabel="camera time [s]", ylabel="xₑ [mm]")
+    style.legend_above(left)
     # Beyond four times the strongest mode there is noise alone.
     shown = decay.frequency <= min(decay.frequency[-1], 4 * fit.frequency)
-    right.plot(decay.frequency[shown], 1e3 * decay.amplitude[shown], color=BLUE, lw=1.2)
-    right.axvline(fit.frequency, color=VERMILION, lw=1.2)
-    right.set_xlabel(label("frequency", "Hz"))
-    right.set_ylabel(label("amplitude", "mm"))
+    right.plot(decay.frequency[shown], 1e3 * decay.amplitude[shown], color=style.BLUE, lw=1.2)
+    right.axvline(fit.frequency, color=style.VERMILION, lw=1.2)
+    right.set(xlabel="frequency [Hz]", ylabel="amplitude [mm]")
     sigma = fit.frequency_sigma
     right.set_title(
         f"{rounded(fit.frequency, sigma)} ± {rounded(sigma, sigma)} Hz",
-        color=VERMILION,
+        color=style.VERMILION,
         fontsize=10,
     )
     right.set_ylim(bottom=0)
-    right.axvline(fit.fft_frequency, color=GREY, ls=":", lw=1.2)
+    right.axvline(fit.fft_frequency, color=style.GREY, ls=":", lw=1.2)
     return figure

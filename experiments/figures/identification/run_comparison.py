@@ -6,19 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from experiments.page import style
 from experiments.page.coordinates import CAMERA, COORDINATES, ENCODERS
-from experiments.page.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    SKY,
-    VERMILION,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-    thinned,
-)
 from identification.fit.comparison import Comparison
 
 _PANELS = ("x_e", "q_3", "y_e", "q_4", "delta_e")
@@ -27,7 +16,7 @@ _DOTS = {"marker": "o", "ms": 3.4, "mew": 0.0, "alpha": 0.85}
 _LEAST_VOLTAGE = 0.5  # V to either side
 
 
-@styled
+@style.styled
 def run_comparison(comparison: Comparison) -> Figure:
     """Measurements of a run under its simulation: camera, commands and encoders.
 
@@ -41,7 +30,7 @@ def run_comparison(comparison: Comparison) -> Figure:
     count = len(seen) + 1 + len(ENCODERS)
     columns = 3 if count == 3 else 2
     rows = -(-count // columns)
-    figure = new_figure(height=0.6 + 1.7 * rows)
+    figure = style.new_figure(height=0.6 + 1.7 * rows)
     grid = np.atleast_2d(figure.subplots(rows, columns, sharex=True)).ravel()
     for axes, name in zip(grid, seen, strict=False):
         _camera_panel(axes, comparison, name)
@@ -52,12 +41,12 @@ def run_comparison(comparison: Comparison) -> Figure:
         axes.set_axis_off()
     for axes in grid[max(count - columns, 0) : count]:
         axes.xaxis.set_tick_params(labelbottom=True)
-        axes.set_xlabel(label("time", "s"))
+        axes.set_xlabel("time [s]")
     _legend(figure, seen)
     if comparison.held_out:
         figure.suptitle(
             "NOT FITTED: this run is predicted from the others",
-            color=VERMILION,
+            color=style.VERMILION,
             weight="bold",
             ha="left",
             x=0.01,
@@ -68,11 +57,11 @@ def run_comparison(comparison: Comparison) -> Figure:
 
 def _legend(figure: Figure, seen: list[str]) -> None:
     handles = [
-        Line2D([], [], color=SKY, lw=4, label="encoder"),
-        Line2D([], [], color=VERMILION, lw=1.3, label="simulated"),
+        Line2D([], [], color=style.SKY, lw=4, label="encoder"),
+        Line2D([], [], color=style.VERMILION, lw=1.3, label="simulated"),
     ]
     if seen:
-        handles.insert(0, Line2D([], [], ls="", color=BLUE, **_DOTS, label="camera"))
+        handles.insert(0, Line2D([], [], ls="", color=style.BLUE, **_DOTS, label="camera"))
     figure.legend(handles=handles, loc="outside upper right", ncols=3)
 
 
@@ -88,12 +77,12 @@ def _column(positions: Float[np.ndarray, "rows 5"], name: str) -> Float[np.ndarr
 def _camera_panel(axes: Axes, comparison: Comparison, name: str) -> None:
     coordinate = COORDINATES[name]
     measured = _column(comparison.measured, name)
-    axes.plot(comparison.frame_time, measured, ls="", color=BLUE, **_DOTS)
+    axes.plot(comparison.frame_time, measured, ls="", color=style.BLUE, **_DOTS)
     if comparison.path.size:
         path = _column(comparison.path, name)
-        axes.plot(*thinned(comparison.time, path), color=VERMILION, lw=1.1)
+        axes.plot(*style.thinned(comparison.time, path), color=style.VERMILION, lw=1.1)
     channel = next(c for c in comparison.channels if c.name == name)
-    _name(axes, coordinate.meaning, label(coordinate.symbol, coordinate.unit))
+    _name(axes, coordinate.meaning, f"{coordinate.symbol} [{coordinate.unit}]")
     _widen(axes, _LEAST_NOISE * channel.sigma * coordinate.factor)
 
 
@@ -101,22 +90,22 @@ def _encoder_panel(axes: Axes, comparison: Comparison, index: int) -> None:
     coordinate = ENCODERS[index]
     measured = coordinate.factor * comparison.measured_angle[:, index]
     simulated = coordinate.factor * comparison.simulated_angle[:, index]
-    axes.plot(*thinned(comparison.time, measured), color=SKY, lw=4)
-    axes.plot(*thinned(comparison.time, simulated), color=VERMILION, lw=1.1)
-    _name(axes, coordinate.meaning, label(coordinate.symbol, coordinate.unit))
+    axes.plot(*style.thinned(comparison.time, measured), color=style.SKY, lw=4)
+    axes.plot(*style.thinned(comparison.time, simulated), color=style.VERMILION, lw=1.1)
+    _name(axes, coordinate.meaning, f"{coordinate.symbol} [{coordinate.unit}]")
 
 
 def _command_panel(axes: Axes, comparison: Comparison) -> None:
-    for index, (color, width) in enumerate(((BLUE, 2.6), (ORANGE, 1.2))):
-        time, voltage = thinned(comparison.time, comparison.voltage[:, index])
+    for index, (color, width) in enumerate(((style.BLUE, 2.6), (style.ORANGE, 1.2))):
+        time, voltage = style.thinned(comparison.time, comparison.voltage[:, index])
         axes.step(time, voltage, where="post", color=color, lw=width, label=f"V{'₁₂'[index]}")
-    _name(axes, "commands", label("V₁, V₂", "V"))
+    _name(axes, "commands", "V₁, V₂ [V]")
     _widen(axes, _LEAST_VOLTAGE)
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def _name(axes: Axes, meaning: str, name: str) -> None:
-    axes.set_title(meaning, fontsize=9, weight="normal", color=GREY)
+    axes.set_title(meaning, fontsize=9, weight="normal", color=style.GREY)
     axes.set_ylabel(name)
 
 

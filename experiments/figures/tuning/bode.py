@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
 
+from experiments.page import style
 from experiments.page.number_text import plain
-from experiments.page.style import BLACK, BLUE, GREY, VERMILION, label, new_figure, styled
 from scdpr_jax.command.controller import PD
 from tuning.loop.margins import Margins
 from tuning.loop.plant import MotorPlant
@@ -53,7 +53,7 @@ def open_loop(plant: MotorPlant, controller: PD, *, delay: int, crossover: float
     return OpenLoop(np.asarray(omega), 20 * np.log10(np.abs(response)), phase)
 
 
-@styled
+@style.styled
 def bode(loop: OpenLoop, margins: Margins) -> Figure:
     """Gain and phase of a loop, its gain and phase margins marked.
 
@@ -64,30 +64,28 @@ def bode(loop: OpenLoop, margins: Margins) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=4.4, width=9.0)
+    figure = style.new_figure(height=4.4, width=9.0)
     above, below = figure.subplots(2, 1, sharex=True)
-    above.semilogx(loop.angular_frequency, loop.gain, color=BLUE)
-    below.semilogx(loop.angular_frequency, loop.phase, color=BLUE)
-    above.axhline(0, color=GREY, lw=0.8)
-    below.axhline(-180, color=GREY, lw=0.8)
+    above.semilogx(loop.angular_frequency, loop.gain, color=style.BLUE)
+    below.semilogx(loop.angular_frequency, loop.phase, color=style.BLUE)
+    above.axhline(0, color=style.GREY, lw=0.8)
+    below.axhline(-180, color=style.GREY, lw=0.8)
     at_gain, at_phase = float(margins.gain_crossover), float(margins.phase_crossover)
     phase_margin = float(np.degrees(margins.phase_margin))
     gain_margin = float(20 * np.log10(margins.gain_margin))
     titles = []
     if np.isfinite(at_gain):
         for axes in (above, below):
-            axes.axvline(at_gain, color=VERMILION, ls=":", lw=1.2)
-        below.plot([at_gain] * 2, [-180, -180 + phase_margin], color=VERMILION, lw=4)
+            axes.axvline(at_gain, color=style.VERMILION, ls=":", lw=1.2)
+        below.plot([at_gain] * 2, [-180, -180 + phase_margin], color=style.VERMILION, lw=4)
         titles.append(f"phase margin {plain(phase_margin, 3)}° at {plain(at_gain, 3)} rad/s")
     if np.isfinite(at_phase):
         for axes in (above, below):
-            axes.axvline(at_phase, color=BLACK, ls=":", lw=1.2)
-        above.plot([at_phase] * 2, [-gain_margin, 0], color=BLACK, lw=4)
+            axes.axvline(at_phase, color=style.BLACK, ls=":", lw=1.2)
+        above.plot([at_phase] * 2, [-gain_margin, 0], color=style.BLACK, lw=4)
         titles.append(f"gain margin {plain(gain_margin, 3)} dB at {plain(at_phase, 3)} rad/s")
-    above.set_title(";  ".join(titles))
-    above.set_ylabel(label("gain", "dB"))
-    below.set_ylabel(label("phase", "°"))
-    below.set_xlabel(label("angular frequency", "rad/s"))
+    above.set(title=";  ".join(titles), ylabel="gain [dB]")
+    below.set(ylabel="phase [°]", xlabel="angular frequency [rad/s]")
     low = max(float(loop.phase.min()), -360.0)
     below.set_ylim(low - 10, loop.phase.max() + 20)
     return figure

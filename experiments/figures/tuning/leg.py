@@ -5,29 +5,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.figures.tuning.tracking import draw_commands, name_commands
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    VERMILION,
-    figure_legend,
-    label,
-    new_figure,
-    styled,
-    thinned,
-)
+from experiments.page import style
 from experiments.studies.planned_leg import SIDES, Compared
 from scdpr_jax.legs.leg import Leg
 from scdpr_jax.legs.measures import SETTLED
 
 _BEFORE = 0.4
 """Time before the leg's end that its arrival is shown from [s]."""
-_STYLES = ((VERMILION, 1.3), (BLUE, 1.7))
+_STYLES = ((style.VERMILION, 1.3), (style.BLUE, 1.7))
 _LEAST = 1e-3
 """Vibration below which it is drawn as this [mm]: a count of the encoders moves more."""
 
 
-@styled
+@style.styled
 def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     """A leg before and after planning.
 
@@ -39,13 +29,13 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=6.6)
+    figure = style.new_figure(height=6.6)
     way, arrival, command, others = figure.subplots(2, 2).ravel()
     fitted = compared.planned[0]
     _, target = _along(fitted)
     way.plot(
-        *thinned(fitted.time, 1e3 * target),
-        color=BLACK,
+        *style.thinned(fitted.time, 1e3 * target),
+        color=style.BLACK,
         lw=1.0,
         ls="--",
         zorder=3,
@@ -55,10 +45,10 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     for name, runs, (color, width) in sides:
         first: Leg = runs[0]
         done, _ = _along(first)
-        way.plot(*thinned(first.time, 1e3 * done), color=color, lw=width, label=name)
+        way.plot(*style.thinned(first.time, 1e3 * done), color=color, lw=width, label=name)
         late = first.time >= leg_time - _BEFORE
         away = 1e3 * (first.pose[late, 0] - first.reference[-1, 0])
-        arrival.plot(*thinned(first.time[late], away), color=color, lw=width)
+        arrival.plot(*style.thinned(first.time[late], away), color=color, lw=width)
         draw_commands(command, first.time, first.voltage, color=color)
         left = [max(1e3 * run.measures.residual_vibration, _LEAST) for run in runs]
         others.plot(left, range(len(runs)), "o", color=color)
@@ -68,15 +58,17 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     others.invert_yaxis()
     others.set_xscale("log")
     others.set_axisbelow(True)
-    way.set_title("on the way")
-    way.set_ylabel(label("way covered", "mm"))
-    arrival.set_title(f"on arrival, and the band of ±{1e3 * SETTLED:g} mm")
-    arrival.set_ylabel(label("xₑ from the target", "mm"))
+    way.set(title="on the way", ylabel="way covered [mm]")
+    arrival.set(
+        title=f"on arrival, and the band of ±{1e3 * SETTLED:g} mm",
+        ylabel="xₑ from the target [mm]",
+    )
     for axes in (way, arrival):
-        axes.set_xlabel(label("time", "s"))
-    others.set_title("on robots as they might be")
-    others.set_xlabel(label("vibration after the leg, peak to peak", "mm"))
-    figure_legend(figure, way, columns=3)
+        axes.set_xlabel("time [s]")
+    others.set(
+        title="on robots as they might be", xlabel="vibration after the leg, peak to peak [mm]"
+    )
+    style.figure_legend(figure, way, columns=3)
     return figure
 
 
@@ -90,8 +82,8 @@ def _along(run: Leg) -> tuple[np.ndarray, np.ndarray]:
 def _bounds(arrival: Axes, leg_time: float, compared: Compared) -> None:
     """The band in which a leg has settled, and the moment at which its reference ends."""
     band = 1e3 * SETTLED
-    arrival.axhspan(-band, band, color=GREY, alpha=0.18, lw=0)
-    arrival.axvline(leg_time, color=GREY, ls=":", lw=1)
+    arrival.axhspan(-band, band, color=style.GREY, alpha=0.18, lw=0)
+    arrival.axvline(leg_time, color=style.GREY, ls=":", lw=1)
     # On its way the end-effector is far off: what is of interest happens at the end.
     runs = (compared.plain[0], compared.planned[0])
     after = [

@@ -5,7 +5,7 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.page.style import BLACK, CYCLE, GREY, figure_legend, label, new_figure, styled
+from experiments.page import style
 from tuning.loop.flexible_loop import JOINT_LOOPS, LIFTING, UPPER_FREE
 from tuning.loop.worst_margins import MarginMap
 
@@ -13,7 +13,7 @@ _SAFE_PHASE, _SAFE_PEAK = 30.0, 2.0
 """Phase margin [°] and peak sensitivity [1] short of which a loop rings (Åström, Hägglund)."""
 
 
-@styled
+@style.styled
 def margin_curves(found: MarginMap) -> Figure:
     """Phase margin and peak sensitivity over height, a colour for each pretension.
 
@@ -23,18 +23,16 @@ def margin_curves(found: MarginMap) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=4.0)
+    figure = style.new_figure(height=4.0)
     left, right = figure.subplots(1, 2)
     margins = found.flexible.margins
     _curves(left, found, np.degrees(np.asarray(margins.phase_margin)))
     _curves(right, found, np.asarray(margins.peak_sensitivity))
-    left.axhline(_SAFE_PHASE, color=GREY, ls=":", lw=1.2)
-    right.axhline(_SAFE_PEAK, color=GREY, ls=":", lw=1.2)
-    left.set_ylabel(label("phase margin", "°"))
-    right.set_ylabel(label("peak sensitivity", "1"))
-    left.set_ylim(bottom=0)
-    right.set_ylim(bottom=1)
-    figure_legend(figure, left, columns=4)
+    left.axhline(_SAFE_PHASE, color=style.GREY, ls=":", lw=1.2)
+    right.axhline(_SAFE_PEAK, color=style.GREY, ls=":", lw=1.2)
+    left.set(ylabel="phase margin [°]", ylim=(0, None))
+    right.set(ylabel="peak sensitivity [1]", ylim=(1, None))
+    style.figure_legend(figure, left, columns=4)
     return figure
 
 
@@ -45,14 +43,14 @@ def _curves(
     for loop, rows in zip(JOINT_LOOPS, values, strict=True):
         if loop is LIFTING:
             # It has no stiffness, and no pretension: one line for all.
-            axes.plot(height, rows[0], color=BLACK, lw=2.5, alpha=0.6, label=loop.name)
+            axes.plot(height, rows[0], color=style.BLACK, lw=2.5, alpha=0.6, label=loop.name)
             continue
         for number, (setting, row) in enumerate(zip(found.pretension, rows, strict=True)):
             axes.plot(
                 height,
                 row,
-                color=CYCLE[number % len(CYCLE)],
+                color=style.CYCLE[number % len(style.CYCLE)],
                 ls="-" if loop is UPPER_FREE else "--",
                 label=f"{loop.name}, {setting:g} N",
             )
-    axes.set_xlabel(label("yₑ", "mm"))
+    axes.set_xlabel("yₑ [mm]")

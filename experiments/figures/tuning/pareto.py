@@ -7,24 +7,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
+from experiments.page import style
 from experiments.page.number_text import plain
-from experiments.page.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    VERMILION,
-    figure_legend,
-    label,
-    new_figure,
-    styled,
-)
 from tuning.codesign import Designed
 
-_COLOURS = (BLUE, VERMILION, ORANGE, GREEN)
+_COLOURS = (style.BLUE, style.VERMILION, style.ORANGE, style.GREEN)
 _MARKERS = ("o", "s", "^", "D")
 
 
-@styled
+@style.styled
 def pareto(
     fronts: Mapping[str, Sequence[Designed]],
     spreads: Mapping[str, Designed],
@@ -42,11 +33,11 @@ def pareto(
         Left the front: mean of the worst tenth, thin above it the worst. Right the share of
         the models that vibrates less.
     """
-    figure = new_figure(height=4.4)
+    figure = style.new_figure(height=4.4)
     left, right = figure.subplots(1, 2)
-    style = dict(zip(fronts, zip(_COLOURS, _MARKERS, strict=False), strict=False))
+    dashes = dict(zip(fronts, zip(_COLOURS, _MARKERS, strict=False), strict=False))
     for name, designs in fronts.items():
-        _front(left, name, designs, *style[name])
+        _front(left, name, designs, *dashes[name])
     left.plot(
         chosen.move_time,
         1e3 * chosen.vibration,
@@ -59,7 +50,7 @@ def pareto(
     for name, one in spreads.items():
         value = np.sort(1e3 * np.asarray(one.measures.residual_vibration))
         share = 100 * np.arange(1, value.size + 1) / value.size
-        right.step(value, share, where="post", color=style[name][0])
+        right.step(value, share, where="post", color=dashes[name][0])
     for axes in (left, right):
         axes.set_axisbelow(True)
     left.set_yscale("log")
@@ -68,12 +59,16 @@ def pareto(
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter(lambda value, _: plain(value, 1))
         axis.set_minor_locator(NullLocator())
-    left.set_xlabel(label("move time with the shaper", "s"))
-    left.set_ylabel(label("vibration after the move, peak to peak", "mm"))
-    right.set_xlabel(label("vibration of a model not seen before", "mm"))
-    right.set_ylabel(label("models that vibrate less", "%"))
-    right.set_ylim(0, 101)
-    figure_legend(figure, left, columns=4)
+    left.set(
+        xlabel="move time with the shaper [s]",
+        ylabel="vibration after the move, peak to peak [mm]",
+    )
+    right.set(
+        xlabel="vibration of a model not seen before [mm]",
+        ylabel="models that vibrate less [%]",
+        ylim=(0, 101),
+    )
+    style.figure_legend(figure, left, columns=4)
     return figure
 
 

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from experiments.page import style
 from experiments.page.number_text import percent
-from experiments.page.style import BLACK, VERMILION, label, new_figure, styled
 from tuning.regions.residual_map import ResidualMap
 from tuning.result.regional_shaper import Region
 
@@ -21,7 +21,7 @@ _HALO = (patheffects.withStroke(linewidth=3, foreground="white"),)
 """So that a mark is seen on every colour."""
 
 
-@styled
+@style.styled
 def residual_vibration_map(
     maps: Sequence[ResidualMap], regions: Sequence[Sequence[Region]]
 ) -> Figure:
@@ -34,7 +34,7 @@ def residual_vibration_map(
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.9 * len(maps) + 0.2, width=9.0)
+    figure = style.new_figure(height=3.9 * len(maps) + 0.2, width=9.0)
     grid = np.atleast_1d(figure.subplots(len(maps), 1))
     highest = max(_LEAST_SCALE, *(one.worst.value for one in maps))
     # Rounded, or 100 % and a rounding would take a level more.
@@ -47,14 +47,16 @@ def residual_vibration_map(
         filled.set_edgecolor("face")
         _lines(axes, here)
         _worst(axes, one)
-        axes.set_aspect("equal")
-        axes.set_xlim(0, 1e3 * max(region.x[1] for region in here))
-        axes.set_ylim(0, 1e3 * max(region.y[1] for region in here))
-        axes.set_xlabel(label("xₑ", "mm"))
-        axes.set_ylabel(label("yₑ", "mm"))
-        axes.set_title(f"nominal pretension {one.pretension:g} N")
+        axes.set(
+            aspect="equal",
+            xlim=(0, 1e3 * max(region.x[1] for region in here)),
+            ylim=(0, 1e3 * max(region.y[1] for region in here)),
+            xlabel="xₑ [mm]",
+            ylabel="yₑ [mm]",
+            title=f"nominal pretension {one.pretension:g} N",
+        )
     bar = figure.colorbar(filled, ax=list(grid), shrink=0.8, pad=0.01)
-    bar.set_label(label("vibration left, at worst", "%"))
+    bar.set_label("vibration left, at worst [%]")
     return figure
 
 
@@ -71,7 +73,7 @@ def _lines(axes: Axes, regions: Sequence[Region]) -> None:
 def _worst(axes: Axes, one: ResidualMap) -> None:
     value, x, y = one.worst
     axes.plot(
-        1e3 * x, 1e3 * y, "X", ms=11, color=VERMILION, mec="white", mew=1.2, clip_on=False
+        1e3 * x, 1e3 * y, "X", ms=11, color=style.VERMILION, mec="white", mew=1.2, clip_on=False
     )
     right = x > np.mean(one.x)
     axes.annotate(
@@ -81,6 +83,6 @@ def _worst(axes: Axes, one: ResidualMap) -> None:
         textcoords="offset points",
         ha="right" if right else "left",
         va="center",
-        color=BLACK,
+        color=style.BLACK,
         path_effects=_HALO,
     )

@@ -9,29 +9,18 @@ import numpy as np
 from jaxtyping import Array, Float
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    figure_legend,
-    label,
-    new_figure,
-    styled,
-)
+from experiments.page import style
 from experiments.studies.findings.tuning import NamedShaper
 from scdpr_jax.command.shaper import Shaper, residual_vibration
 
 _POINTS = 500
 _STYLES = (
-    (BLUE, "-"),
-    (VERMILION, "--"),
-    (GREEN, "-."),
-    (PURPLE, ":"),
-    (ORANGE, "-"),
-    (SKY, "--"),
+    (style.BLUE, "-"),
+    (style.VERMILION, "--"),
+    (style.GREEN, "-."),
+    (style.PURPLE, ":"),
+    (style.ORANGE, "-"),
+    (style.SKY, "--"),
 )
 
 
@@ -60,7 +49,7 @@ def _residual_curve(
     )
 
 
-@styled
+@style.styled
 def shaper_response(shapers: Sequence[NamedShaper], *, tolerance: float = 0.05) -> Figure:
     """Residual vibration over frequency, and the impulses.
 
@@ -74,27 +63,28 @@ def shaper_response(shapers: Sequence[NamedShaper], *, tolerance: float = 0.05) 
     low = 0.5 * min(named.band[0] for named in shapers)
     high = 1.5 * max(named.band[1] for named in shapers)
     frequency = np.linspace(low, high, _POINTS)
-    figure = new_figure(height=3.8)
+    figure = style.new_figure(height=3.8)
     left, right = figure.subplots(1, 2, width_ratios=(2, 1))
     highest = 100.0
-    for (color, style), named in zip(itertools.cycle(_STYLES), shapers, strict=False):
+    for (color, dashes), named in zip(itertools.cycle(_STYLES), shapers, strict=False):
         curve = 100 * residual_curve(named, frequency)
         highest = max(highest, float(curve.max()))
-        left.plot(frequency, curve, color=color, ls=style, label=named.name)
+        left.plot(frequency, curve, color=color, ls=dashes, label=named.name)
         left.axvspan(*named.band, color=color, alpha=0.15, lw=0)
         left.axvline(sum(named.band) / 2, color=color, lw=0.8, alpha=0.7)
         times = 1e3 * np.asarray(named.shaper.times)
         amplitudes = np.asarray(named.shaper.amplitudes)
         stems = right.vlines(times, 0, amplitudes, color=color, lw=2.5)
-        stems.set_linestyle(style)
+        stems.set_linestyle(dashes)
         right.plot(times, amplitudes, "o", color=color, ms=5)
     left.axhline(100 * tolerance, color="#999999", ls=(0, (2, 2)), lw=1)
-    left.set_ylim(0, 1.05 * highest)
-    left.set_xlim(low, high)
-    left.set_xlabel(label("frequency of the vibration", "Hz"))
-    left.set_ylabel(label("residual vibration", "%"))
+    left.set(
+        ylim=(0, 1.05 * highest),
+        xlim=(low, high),
+        xlabel="frequency of the vibration [Hz]",
+        ylabel="residual vibration [%]",
+    )
     right.axhline(0, color="#999999", lw=0.8)
-    right.set_xlabel(label("time", "ms"))
-    right.set_ylabel(label("impulse amplitude", "1"))
-    figure_legend(figure, left, columns=2)
+    right.set(xlabel="time [ms]", ylabel="impulse amplitude [1]")
+    style.figure_legend(figure, left, columns=2)
     return figure

@@ -8,31 +8,24 @@ from jaxtyping import Float
 from matplotlib.figure import Figure
 
 from experiments.figures.tuning.shaper_response import residual_curve
-from experiments.page.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    figure_legend,
-    label,
-    new_figure,
-    styled,
-)
+from experiments.page import style
 from experiments.studies.findings.tuning import NamedShaper
 from tuning.shapers.spectrum import THRESHOLD, Spectrum
 from tuning.shapers.spectrum_design import SpectrumDesign
 
 _POINTS = 600
-_STYLES = ((VERMILION, "-"), (GREEN, "--"), (PURPLE, "-."), (ORANGE, ":"))
+_STYLES = (
+    (style.VERMILION, "-"),
+    (style.GREEN, "--"),
+    (style.PURPLE, "-."),
+    (style.ORANGE, ":"),
+)
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _LEAST = 1e-3
 """Vibration left below which a mark is drawn at the axis's lower end [%]."""
 
 
-@styled
+@style.styled
 def shaped_spectrum(spectrum: Spectrum, shapers: Sequence[NamedShaper]) -> Figure:
     """The spectrum before and after shaping, the shapers' residual vibration, impulses.
 
@@ -43,35 +36,34 @@ def shaped_spectrum(spectrum: Spectrum, shapers: Sequence[NamedShaper]) -> Figur
     Returns:
         The figure.
     """
-    figure = new_figure(height=6.4)
+    figure = style.new_figure(height=6.4)
     grid = figure.add_gridspec(2, 2, width_ratios=(2, 1))
     power, left = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0])
     impulses = figure.add_subplot(grid[:, 1])
     power.sharex(left)
-    power.fill_between(spectrum.frequency, spectrum.power, color=SKY, alpha=0.35, lw=0)
-    power.plot(spectrum.frequency, spectrum.power, color=BLUE, lw=1.6, label="measured")
-    power.axhline(THRESHOLD, color=GREY, ls=(0, (2, 2)), lw=1)
+    power.fill_between(spectrum.frequency, spectrum.power, color=style.SKY, alpha=0.35, lw=0)
+    power.plot(spectrum.frequency, spectrum.power, color=style.BLUE, lw=1.6, label="measured")
+    power.axhline(THRESHOLD, color=style.GREY, ls=(0, (2, 2)), lw=1)
     fine = np.linspace(float(spectrum.frequency[0]), float(spectrum.frequency[-1]), _POINTS)
-    for (color, style), named in zip(_STYLES, shapers, strict=False):
+    for (color, dashes), named in zip(_STYLES, shapers, strict=False):
         curve = 100 * residual_curve(named, fine)
-        left.plot(fine, curve, color=color, ls=style, label=named.name)
+        left.plot(fine, curve, color=color, ls=dashes, label=named.name)
         after = spectrum.power * residual_curve(named, spectrum.frequency)
-        power.plot(spectrum.frequency, after, color=color, ls=style, label=named.name)
+        power.plot(spectrum.frequency, after, color=color, ls=dashes, label=named.name)
         times = 1e3 * np.asarray(named.shaper.times)
         amplitudes = np.asarray(named.shaper.amplitudes)
-        impulses.vlines(times, 0, amplitudes, color=color, lw=2.2).set_linestyle(style)
+        impulses.vlines(times, 0, amplitudes, color=color, lw=2.2).set_linestyle(dashes)
         impulses.plot(times, amplitudes, "o", color=color, ms=5)
-    power.set_ylabel(label("spectrum over its peak", "1"))
-    power.set_ylim(0, 1.05)
-    left.set_ylim(0, 105)
-    left.set_ylabel(label("residual vibration", "%"))
-    left.set_xlabel(label("frequency", "Hz"))
-    left.set_xlim(0, float(spectrum.frequency[-1]))
-    impulses.set_ylim(bottom=0)
-    impulses.set_xlabel(label("time", "ms"))
-    impulses.set_ylabel(label("impulse amplitude", "1"))
+    power.set(ylabel="spectrum over its peak [1]", ylim=(0, 1.05))
+    left.set(
+        ylim=(0, 105),
+        ylabel="residual vibration [%]",
+        xlabel="frequency [Hz]",
+        xlim=(0, float(spectrum.frequency[-1])),
+    )
+    impulses.set(ylim=(0, None), xlabel="time [ms]", ylabel="impulse amplitude [1]")
     figure.align_ylabels([power, left])
-    figure_legend(figure, power)
+    style.figure_legend(figure, power)
     return figure
 
 
@@ -95,7 +87,7 @@ def front_curve(
     return durations, vibrations
 
 
-@styled
+@style.styled
 def duration_against_vibration(design: SpectrumDesign) -> Figure:
     """The front of optimised shapers, and the catalogue's above it.
 
@@ -105,13 +97,13 @@ def duration_against_vibration(design: SpectrumDesign) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.8)
+    figure = style.new_figure(height=3.8)
     axes = figure.subplots()
     durations, vibrations = front_curve(design)
     axes.plot(
         durations,
         np.maximum(vibrations, _LEAST),
-        color=BLUE,
+        color=style.BLUE,
         lw=1.8,
         marker=".",
         ms=6,
@@ -122,7 +114,7 @@ def duration_against_vibration(design: SpectrumDesign) -> Figure:
             1e3 * float(one.fit.shaper.duration),
             max(100 * one.fit.residual, _LEAST),
             marker=marker,
-            color=VERMILION,
+            color=style.VERMILION,
             ls="none",
             ms=7,
             label=one.fit.entry.name,
@@ -131,14 +123,16 @@ def duration_against_vibration(design: SpectrumDesign) -> Figure:
         1e3 * float(design.recommended.shaper.duration),
         max(100 * design.recommended.residual, _LEAST),
         marker="*",
-        color=GREEN,
+        color=style.GREEN,
         ls="none",
         ms=15,
         label="recommended",
     )
-    axes.set_yscale("log")
-    axes.set_ylim(0.7 * _LEAST, 100)
-    axes.set_xlabel(label("duration of the shaper", "ms"))
-    axes.set_ylabel(label("vibration left", "%"))
-    figure_legend(figure, axes, columns=5)
+    axes.set(
+        yscale="log",
+        ylim=(0.7 * _LEAST, 100),
+        xlabel="duration of the shaper [ms]",
+        ylabel="vibration left [%]",
+    )
+    style.figure_legend(figure, axes, columns=5)
     return figure

@@ -7,20 +7,10 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    VERMILION,
-    figure_legend,
-    label,
-    new_figure,
-    styled,
-    thinned,
-)
+from experiments.page import style
 from scdpr_jax.legs.leg import Leg
 
-_SIDES = (("before", VERMILION, 1.3), ("after", BLUE, 1.7))
+_SIDES = (("before", style.VERMILION, 1.3), ("after", style.BLUE, 1.7))
 
 
 class TrackingNumbers(NamedTuple):
@@ -50,7 +40,7 @@ def tracking_numbers(run: Leg) -> TrackingNumbers:
     return TrackingNumbers(error, float(run.time[arrived]), rest - rest.mean())
 
 
-@styled
+@style.styled
 def tracking(before: Leg, after: Leg, *, voltage_limit: float) -> Figure:
     """Position, error, rest after the arrival, and commands, before and after.
 
@@ -62,12 +52,12 @@ def tracking(before: Leg, after: Leg, *, voltage_limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=6.2)
+    figure = style.new_figure(height=6.2)
     position, error, rest, command = figure.subplots(2, 2).ravel()
     axis = int(np.ptp(before.reference[:, 1]) > np.ptp(before.reference[:, 0]))
     position.plot(
-        *thinned(before.time, 1e3 * before.reference[:, axis]),
-        color=BLACK,
+        *style.thinned(before.time, 1e3 * before.reference[:, axis]),
+        color=style.BLACK,
         lw=1.0,
         ls="--",
         zorder=3,
@@ -76,19 +66,19 @@ def tracking(before: Leg, after: Leg, *, voltage_limit: float) -> Figure:
     for run, (name, color, width) in zip((before, after), _SIDES, strict=True):
         numbers = tracking_numbers(run)
         position.plot(
-            *thinned(run.time, 1e3 * run.pose[:, axis]), color=color, lw=width, label=name
+            *style.thinned(run.time, 1e3 * run.pose[:, axis]), color=color, lw=width, label=name
         )
-        error.plot(*thinned(run.time, 1e3 * numbers.error), color=color, lw=width)
+        error.plot(*style.thinned(run.time, 1e3 * numbers.error), color=color, lw=width)
         since = run.time[-numbers.rest.size :] - numbers.arrival
-        rest.plot(*thinned(since, 1e3 * numbers.rest), color=color, lw=width)
+        rest.plot(*style.thinned(since, 1e3 * numbers.rest), color=color, lw=width)
         draw_commands(command, run.time, run.voltage, color=color)
     name_commands(command, voltage_limit=voltage_limit)
-    _name(position, "position", label(("xₑ", "yₑ")[axis], "mm"))
-    _name(error, "distance from the unshaped reference, Eq. (26)", label("εₑ", "mm"))
-    _name(rest, "what is left after the arrival", label("xₑ about its mean", "mm"))
-    rest.set_xlabel(label("time after the arrival", "s"))
+    _name(position, "position", f"{('xₑ', 'yₑ')[axis]} [mm]")
+    _name(error, "distance from the unshaped reference, Eq. (26)", "εₑ [mm]")
+    _name(rest, "what is left after the arrival", "xₑ about its mean [mm]")
+    rest.set_xlabel("time after the arrival [s]")
     error.set_ylim(bottom=0)
-    figure_legend(figure, position)
+    style.figure_legend(figure, position)
     return figure
 
 
@@ -107,8 +97,8 @@ def draw_commands(
         voltage: Commands between them [V].
         color: Their colour.
     """
-    for motor, style in enumerate(("-", (0, (3, 1.5)))):
-        axes.plot(*thinned(time[:-1], voltage[:, motor]), color=color, ls=style, lw=1.1)
+    for motor, dashes in enumerate(("-", (0, (3, 1.5)))):
+        axes.plot(*style.thinned(time[:-1], voltage[:, motor]), color=color, ls=dashes, lw=1.1)
 
 
 def name_commands(axes: Axes, *, voltage_limit: float) -> None:
@@ -119,11 +109,9 @@ def name_commands(axes: Axes, *, voltage_limit: float) -> None:
         voltage_limit: Largest command of either sign [V].
     """
     for limit in (-voltage_limit, voltage_limit):
-        axes.axhline(limit, color=GREY, ls="--", lw=1)
-    _name(axes, "commands and their limits", label("V₁ (solid), V₂ (dashed)", "V"))
+        axes.axhline(limit, color=style.GREY, ls="--", lw=1)
+    _name(axes, "commands and their limits", "V₁ (solid), V₂ (dashed) [V]")
 
 
 def _name(axes: Axes, title: str, name: str) -> None:
-    axes.set_title(title)
-    axes.set_ylabel(name)
-    axes.set_xlabel(label("time", "s"))
+    axes.set(title=title, ylabel=name, xlabel="time [s]")

@@ -10,8 +10,16 @@ import pytest
 
 from experiments.cli import main
 from experiments.paper import report
-from experiments.paper.catalogue import CLAIMS, SECTIONS, chosen, of_section
-from experiments.paper.claim import Claim, Verdict, at_least, at_most, digits, within
+from experiments.paper.catalogue import CLAIMS, SECTIONS, chosen
+from experiments.paper.claim import (
+    Claim,
+    Printed,
+    Verdict,
+    at_least,
+    at_most,
+    digits,
+    within,
+)
 from experiments.paper.contradictions import CONTRADICTIONS
 from experiments.paper.topics.explanation.numbers import (
     REPORTED,
@@ -19,6 +27,7 @@ from experiments.paper.topics.explanation.numbers import (
     Hypothesis,
     explanations,
 )
+from experiments.paper.topics.prototype.claims import TABLE1
 from experiments.verbs.exit_status import BAD_INPUT
 from scdpr_jax.linear.modes import BOTH_HELD, PRINTED
 from scdpr_jax.numerics.progress import Progress
@@ -29,23 +38,28 @@ SHARE_IN_CI = ("fig18",)
 """Sections whose simulations are run in CI; the other simulations are slow tests."""
 
 
-def named(claims):
-    return [pytest.param(claim, id=f"{claim.section}: {claim.what}") for claim in claims]
+def claims(holds=lambda section, claim: True):
+    return [
+        pytest.param(claim, id=f"{section.name}: {claim.what}")
+        for section in SECTIONS
+        for claim in section.claims
+        if holds(section, claim)
+    ]
 
 
 def stands(claim):
-    ours = claim.compute()
-    told = f"{claim.name}: {ours:g} {claim.unit}, accepted {claim.accepted}"
+    ours, printed = claim.compute(), claim.printed
+    told = f"{claim.name}: {ours:g} {printed.unit}, accepted {printed.accepted}"
     assert claim.stands(ours), f"{told}, said to be {claim.verdict.value}"
 
 
-@pytest.mark.parametrize("claim", named(c for c in CLAIMS if not c.heavy))
+@pytest.mark.parametrize("claim", claims(lambda _, claim: not claim.heavy))
 def test_verdict_on_a_closed_form_stands(claim):
     stands(claim)
 
 
 @pytest.mark.parametrize(
-    "claim", named(c for c in CLAIMS if c.heavy and c.section in SHARE_IN_CI)
+    "claim", claims(lambda section, claim: claim.heavy and section.name in SHARE_IN_CI)
 )
 def test_verdict_on_a_simulation_stands(claim):
     stands(claim)
@@ -53,16 +67,16 @@ def test_verdict_on_a_simulation_stands(claim):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "claim", named(c for c in CLAIMS if c.heavy and c.section not in SHARE_IN_CI)
+    "claim", claims(lambda section, claim: claim.heavy and section.name not in SHARE_IN_CI)
 )
 def test_verdict_on_a_longer_simulation_stands(claim):
     stands(claim)
 
 
-@pytest.mark.parametrize("claim", named(CLAIMS))
+@pytest.mark.parametrize("claim", claims())
 def test_claim_gives_its_reasons(claim):
-    assert claim.reason
-    low, high = claim.accepted
+    assert claim.printed.reason
+    low, high = claim.printed.accepted
     assert low <= high
     assert claim.because or claim.verdict in (Verdict.GIVEN, Verdict.REPRODUCED)
     if claim.verdict is Verdict.AFTER_ERRATUM:
@@ -76,12 +90,8 @@ def test_erratum_that_is_named_has_its_row(number):
     assert set(re.findall(r"\bE\d+\b", told)) <= set(rows)
 
 
-def test_every_claim_belongs_to_a_section_of_the_report():
-    assert {claim.section for claim in CLAIMS} <= {section.name for section in SECTIONS}
-
-
 def test_claims_are_told_apart_by_their_names():
-    names = [(claim.section, claim.name) for claim in CLAIMS]
+    names = [(section.name, claim.name) for section in SECTIONS for claim in section.claims]
     assert len(set(names)) == len(names)
 
 
@@ -99,11 +109,12 @@ TEXT = "70.73 41.56 0.68 0.3284 0.3268 0.1723 2.4 3.9 2169 16.68 0.6352 0.0125 5
 @pytest.mark.parametrize("printed", TEXT.split())
 def test_number_of_the_text_is_claimed(printed):
     pattern = re.compile(rf"(?<![\d.]){re.escape(printed)}(?![\d.])")
-    assert any(pattern.search(claim.printed) for claim in CLAIMS)
+    assert any(pattern.search(claim.printed.text) for claim in CLAIMS)
 
 
 def claim_of(verdict, accepted):
-    return Claim("s", "1", "w", "p", "1", accepted, "r", lambda: 1.0, verdict)
+    printed = Printed("1", "p", "1", accepted, "r")
+    return Claim(printed, "w", lambda: 1.0, verdict, because="", heavy=False)
 
 
 @pytest.mark.parametrize("verdict", [v for v in Verdict if v is not Verdict.NOT_REPRODUCIBLE])
@@ -175,7 +186,7 @@ def test_table_of_claims_has_every_claim_of_its_sections(table1):
     found, (_, table), _ = table1
     with table.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == len(of_section("table1")) == sum(len(part.judged) for part in found)
+    assert len(rows) == len(TABLE1) == sum(len(part.judged) for part in found)
     assert {row["verdict"] for row in rows} <= {verdict.value for verdict in Verdict}
 
 
@@ -188,7 +199,7 @@ def test_progress_grows_to_the_end(table1):
 
 def test_every_verdict_is_counted(table1):
     found, _, _ = table1
-    assert sum(report.counts(found).values()) == len(of_section("table1"))
+    assert sum(report.counts(found).values()) == len(TABLE1)
 
 
 def explained(computed, *, rise):

@@ -3,25 +3,14 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    SKY,
-    VERMILION,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-    thinned,
-)
+from experiments.page import style
 from experiments.paper.topics.breakaway.numbers import PRINTED_VOLTAGE, START, STEP, Breakaway
 
 _DRAWN = 10
 _SHOWN = 4.0  # s
 
 
-@styled
+@style.styled
 def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
     """The first ten repetitions, and the voltages of all thirty.
 
@@ -32,26 +21,27 @@ def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.4)
+    figure = style.new_figure(height=3.4)
     run, histogram = figure.subplots(1, 2)
     shown = loose.time <= _SHOWN
     for repeat in range(_DRAWN):
         run.plot(
-            *thinned(loose.time[shown], 1e3 * loose.upper[repeat, shown], points=200),
-            color=SKY,
+            *style.thinned(loose.time[shown], 1e3 * loose.upper[repeat, shown], points=200),
+            color=style.SKY,
             lw=1.0,
             label="ten repetitions" if repeat == 0 else None,
         )
     middle = np.median(loose.upper[:, shown], axis=0)
     run.plot(
-        *thinned(loose.time[shown], 1e3 * middle, points=200), color=BLACK, label="median of 30"
+        *style.thinned(loose.time[shown], 1e3 * middle, points=200),
+        color=style.BLACK,
+        label="median of 30",
     )
-    run.axhline(1e3 * START, color=GREY, lw=0.8)
-    run.set_xlabel(label("time", "s"))
-    run.set_ylabel(label(f"q₄ at {PRINTED_VOLTAGE} V on both drives", "mm"))
-    legend_above(run)
+    run.axhline(1e3 * START, color=style.GREY, lw=0.8)
+    run.set(xlabel="time [s]", ylabel=f"q₄ at {PRINTED_VOLTAGE} V on both drives [mm]")
+    style.legend_above(run)
     stairs = np.arange(0.4, 1.2, STEP)
-    for found, colour, shift in ((loose, BLUE, -0.018), (tight, VERMILION, 0.018)):
+    for found, colour, shift in ((loose, style.BLUE, -0.018), (tight, style.VERMILION, 0.018)):
         count = [np.sum(np.isclose(found.voltage, v)) for v in stairs]
         histogram.bar(
             stairs + shift,
@@ -60,8 +50,9 @@ def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
             color=colour,
             label=f"friction {found.force:.1f} N: mean {found.mean:.2f} V",
         )
-    histogram.axvline(PRINTED_VOLTAGE, color=BLACK, ls="--", lw=1, label="printed mean")
-    histogram.set_xlabel(label("first voltage that moves the upper carriage", "V"))
-    histogram.set_ylabel("repetitions of 30")
-    legend_above(histogram, columns=1)
+    histogram.axvline(PRINTED_VOLTAGE, color=style.BLACK, ls="--", lw=1, label="printed mean")
+    histogram.set(
+        xlabel="first voltage that moves the upper carriage [V]", ylabel="repetitions of 30"
+    )
+    style.legend_above(histogram, columns=1)
     return figure

@@ -3,14 +3,14 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.page.style import BLACK, label, new_figure, styled
+from experiments.page import style
 from experiments.paper.topics.explanation.numbers import REPORTED, Explanation
 
 _SHOWN = 5.0  # sigmas, the end of the colours
 _ROWS = 8
 
 
-@styled
+@style.styled
 def draw_explanations(fits: tuple[Explanation, ...]) -> Figure:
     """Deviations of the best fits, one a row.
 
@@ -22,7 +22,7 @@ def draw_explanations(fits: tuple[Explanation, ...]) -> Figure:
     """
     shown = fits[:_ROWS]
     deviations = np.array([fit.deviations for fit in shown])
-    figure = new_figure(height=0.55 * len(shown) + 1.6)
+    figure = style.new_figure(height=0.55 * len(shown) + 1.6)
     axes = figure.subplots()
     image = axes.imshow(
         deviations, cmap="RdBu_r", vmin=-_SHOWN, vmax=_SHOWN, aspect="auto", alpha=0.8
@@ -30,7 +30,7 @@ def draw_explanations(fits: tuple[Explanation, ...]) -> Figure:
     for (row, column), value in np.ndenumerate(deviations):
         reported = REPORTED[column]
         text = f"{shown[row].computed[column]:.3g} {reported.unit}"
-        axes.text(column, row, text, ha="center", va="center", fontsize=9, color=BLACK)
+        axes.text(column, row, text, ha="center", va="center", fontsize=9, color=style.BLACK)
         if abs(value) > 2:
             axes.texts[-1].set_fontweight("bold")
     axes.set_xticks(range(len(REPORTED)))
@@ -43,7 +43,5 @@ def draw_explanations(fits: tuple[Explanation, ...]) -> Figure:
     axes.set_yticklabels([fit.hypothesis.name.replace("; ", "\n", 1) for fit in shown])
     axes.tick_params(axis="y", labelsize=8)
     axes.grid(visible=False)
-    figure.colorbar(image, ax=axes, pad=0.01).set_label(
-        label("computed − reported, over σ", "1")
-    )
+    figure.colorbar(image, ax=axes, pad=0.01).set_label("computed − reported, over σ [1]")
     return figure

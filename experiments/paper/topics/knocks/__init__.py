@@ -1,4 +1,3 @@
 """Knocks and the natural frequency over the workspace: Figures 11 and 12, section 5.2."""
 
-from experiments.paper.topics.knocks.claims import CLAIMS as CLAIMS
 from experiments.paper.topics.knocks.section import SECTIONS as SECTIONS

@@ -3,20 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    figure_legend,
-    label,
-    new_figure,
-    styled,
-)
+from experiments.page import style
 from experiments.paper.topics.knocks.numbers import (
     COLUMNS,
     HEIGHTS,
@@ -29,11 +16,11 @@ from experiments.paper.topics.knocks.numbers import (
 )
 from scdpr_jax.linear.modes import BOTH_HELD
 
-_COLOURS = (BLUE, GREEN, VERMILION, ORANGE, SKY, PURPLE)
+_COLOURS = (style.BLUE, style.GREEN, style.VERMILION, style.ORANGE, style.SKY, style.PURPLE)
 _HIGHEST = 10.0  # Hz, of the drawn spectrum: the camera sees up to 15 Hz
 
 
-@styled
+@style.styled
 def draw_fig11(knock: Knock) -> Figure:
     """A knock, its spectrum and the peak.
 
@@ -43,31 +30,35 @@ def draw_fig11(knock: Knock) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.2)
+    figure = style.new_figure(height=3.2)
     record, spectrum = figure.subplots(1, 2)
-    record.plot(knock.time, 1e3 * knock.displacement, "o-", ms=2.5, lw=1.0, color=BLUE)
-    record.set_xlabel(label("time", "s"))
-    record.set_ylabel(label("xₑ about its mean", "mm"))
-    record.set_title("end-effector after the knock, 30 frames a second")
+    record.plot(knock.time, 1e3 * knock.displacement, "o-", ms=2.5, lw=1.0, color=style.BLUE)
+    record.set(
+        xlabel="time [s]",
+        ylabel="xₑ about its mean [mm]",
+        title="end-effector after the knock, 30 frames a second",
+    )
     shown = knock.frequency <= _HIGHEST
-    spectrum.plot(knock.frequency[shown], 1e3 * knock.amplitude[shown], color=BLUE)
+    spectrum.plot(knock.frequency[shown], 1e3 * knock.amplitude[shown], color=style.BLUE)
     peak = knock.peak
-    spectrum.plot(peak.frequency, 1e3 * peak.amplitude, "o", color=VERMILION)
+    spectrum.plot(peak.frequency, 1e3 * peak.amplitude, "o", color=style.VERMILION)
     spectrum.annotate(
         f"{peak.frequency:.2f} Hz",
         (peak.frequency, 1e3 * peak.amplitude),
         xytext=(8, -4),
         textcoords="offset points",
-        color=VERMILION,
+        color=style.VERMILION,
     )
-    spectrum.set_xlabel(label("frequency", "Hz"))
-    spectrum.set_ylabel(label("amplitude", "mm"))
-    spectrum.set_title("its amplitude spectrum")
-    spectrum.set_ylim(bottom=0)
+    spectrum.set(
+        xlabel="frequency [Hz]",
+        ylabel="amplitude [mm]",
+        title="its amplitude spectrum",
+        ylim=(0, None),
+    )
     return figure
 
 
-@styled
+@style.styled
 def draw_fig12(numbers: Fig12) -> Figure:
     """First mode over the height for each carriage condition, and the simulated knocks.
 
@@ -77,7 +68,7 @@ def draw_fig12(numbers: Fig12) -> Figure:
     Returns:
         The figure, a panel for each pretension.
     """
-    figure = new_figure(height=4.0)
+    figure = style.new_figure(height=4.0)
     panels = figure.subplots(1, len(SETTINGS), sharey=True)
     for index, (axes, setting) in enumerate(zip(panels, SETTINGS, strict=True)):
         tension = effective_share() * setting
@@ -96,15 +87,13 @@ def draw_fig12(numbers: Fig12) -> Figure:
             numbers.peaks[index].ravel(),
             "o",
             ms=5,
-            color=BLACK,
+            color=style.BLACK,
             label="simulated knocks, peak of the FFT",
             zorder=3,
         )
         if setting in MEASURED:
-            axes.axhline(MEASURED[setting], color=GREY, ls="--", label="reported level")
-        axes.set_title(f"nominal {setting:.0f} N")
-        axes.set_xlabel(label("yₑ", "mm"))
-        axes.set_ylim(0, 6)
-    panels[0].set_ylabel(label("natural frequency", "Hz"))
-    figure_legend(figure, panels[0], columns=2)
+            axes.axhline(MEASURED[setting], color=style.GREY, ls="--", label="reported level")
+        axes.set(title=f"nominal {setting:.0f} N", xlabel="yₑ [mm]", ylim=(0, 6))
+    panels[0].set_ylabel("natural frequency [Hz]")
+    style.figure_legend(figure, panels[0], columns=2)
     return figure

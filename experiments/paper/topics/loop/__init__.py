@@ -1,4 +1,3 @@
 """The drive from its step response, and the controller from it: Equations (24) and (25)."""
 
-from experiments.paper.topics.loop.claims import CLAIMS as CLAIMS
 from experiments.paper.topics.loop.section import SECTIONS as SECTIONS

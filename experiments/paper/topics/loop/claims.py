@@ -2,7 +2,7 @@
 
 import math
 
-from experiments.paper.claim import AS_PRINTED, Claim, Verdict, digits, within
+from experiments.paper.claim import Claim, Printed, within
 from experiments.paper.topics.loop.numbers import (
     designed,
     gain_from_table,
@@ -13,148 +13,76 @@ from scdpr_jax.robot.drive import drive_pole
 from scdpr_jax.robot.prototype import consistent, published
 from scdpr_jax.robot.quantities import value
 
-CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        "eq24",
-        "(24)",
+_NUMERATOR = Printed(
+    "(24)",
+    "2169",
+    "1/s^2/V",
+    within(2169.0, 2.0),
+    "a tenth of a per cent: k_v has three digits",
+)
+
+EQ24: tuple[Claim, ...] = (
+    _NUMERATOR.after_erratum(
         "numerator from a simulated step response, angle in degrees",
-        "2169",
-        "1/s^2/V",
-        within(2169.0, 2.0),
-        "a tenth of a per cent: k_v has three digits",
         lambda: step_response().gain,
-        Verdict.AFTER_ERRATUM,
         "E8: degrees and volts",
     ),
-    Claim(
-        "eq24",
-        "(24)",
-        "numerator from Table 1 and k_v = 0.482 N m/V",
-        "2169",
-        "1/s^2/V",
-        within(2169.0, 2.0),
-        "a tenth of a per cent: k_v has three digits",
-        gain_from_table,
-        Verdict.AFTER_ERRATUM,
-        "E8: (180/π) k_v/J",
+    _NUMERATOR.after_erratum(
+        "numerator from Table 1 and k_v = 0.482 N m/V", gain_from_table, "E8: (180/π) k_v/J"
     ),
-    Claim(
-        "eq24",
-        "(24)",
+    Printed(
+        "(24)", "2169", "1/s^2/V", within(2169.0, 2.0), "a tenth of a per cent"
+    ).not_reproducible(
         "numerator as it is named, 1/J",
-        "2169",
-        "1/s^2/V",
-        within(2169.0, 2.0),
-        "a tenth of a per cent",
         lambda: 1 / float(value(consistent(), "drive_inertia")),
-        Verdict.NOT_REPRODUCIBLE,
         "E8: 78.5 with Table 1",
     ),
-    Claim(
-        "eq24",
-        "(24)",
+    Printed("(24)", "16.68", "1/s").after_erratum(
         "pole from a simulated step response",
-        "16.68",
-        "1/s",
-        digits("16.68"),
-        AS_PRINTED,
         lambda: step_response().pole,
-        Verdict.AFTER_ERRATUM,
         "E11: with b = 0.2124 N m s",
     ),
-    Claim(
-        "eq24",
-        "(24)",
+    Printed("(24)", "16.68", "1/s", within(16.68, 0.17), "a per cent").not_reproducible(
         "pole b/J with Table 1's b",
-        "16.68",
-        "1/s",
-        within(16.68, 0.17),
-        "a per cent",
         lambda: float(drive_pole(published().drive)),
-        Verdict.NOT_REPRODUCIBLE,
         "E11: 0.2 has one digit; 15.7",
     ),
-    Claim(
-        "eq24",
-        "Table 1",
+    Printed("Table 1", "0.2", "N m s").reproduced(
         "damping b of a drive, from the pole and J",
-        "0.2",
-        "N m s",
-        digits("0.2"),
-        AS_PRINTED,
         lambda: 16.68 * float(value(consistent(), "drive_inertia")),
-        Verdict.REPRODUCED,
         "0.2124 rounds to it; the pole needs all digits, E11",
     ),
-    Claim(
-        "eq25",
-        "6.1",
+)
+"""Claims on the drive."""
+
+EQ25: tuple[Claim, ...] = (
+    Printed("6.1", "40", "rad/s").reproduced(
         "gain crossover of the required controller",
-        "40",
-        "rad/s",
-        digits("40"),
-        AS_PRINTED,
         lambda: float(designed().continuous.gain_crossover),
-        Verdict.REPRODUCED,
     ),
-    Claim(
-        "eq25",
-        "6.1",
+    Printed("6.1", "60", "°").reproduced(
         "phase margin of the required controller",
-        "60",
-        "°",
-        digits("60"),
-        AS_PRINTED,
         lambda: math.degrees(designed().continuous.phase_margin),
-        Verdict.REPRODUCED,
     ),
-    Claim(
-        "eq25",
-        "(25)",
+    Printed("(25)", "0.6352", "V/°").after_erratum(
         "proportional gain for 40 rad/s and 60°, error in degrees",
-        "0.6352",
-        "V/°",
-        digits("0.6352"),
-        AS_PRINTED,
         lambda: designed().gains_in_degrees[0],
-        Verdict.AFTER_ERRATUM,
         "E9: on degrees",
     ),
-    Claim(
-        "eq25",
-        "(25)",
+    Printed("(25)", "0.0125", "V s/°").not_reproducible(
         "derivative gain for 40 rad/s and 60°, error in degrees",
-        "0.0125",
-        "V s/°",
-        digits("0.0125"),
-        AS_PRINTED,
         lambda: designed().gains_in_degrees[1],
-        Verdict.NOT_REPRODUCIBLE,
         "E10: 0.012126",
     ),
-    Claim(
-        "eq25",
-        "6.1, (25)",
+    Printed("6.1, (25)", "40", "rad/s", within(40.0, 0.5), "to the printed digits").reproduced(
         "gain crossover of the printed pair",
-        "40",
-        "rad/s",
-        within(40.0, 0.5),
-        "to the printed digits",
         lambda: float(printed().continuous.gain_crossover),
-        Verdict.REPRODUCED,
         "40.31 rad/s",
     ),
-    Claim(
-        "eq25",
-        "6.1, (25)",
+    Printed("6.1, (25)", "60", "°").not_reproducible(
         "phase margin of the printed pair",
-        "60",
-        "°",
-        digits("60"),
-        AS_PRINTED,
         lambda: math.degrees(printed().continuous.phase_margin),
-        Verdict.NOT_REPRODUCIBLE,
         "E10: 60.90°, which rounds to 61",
     ),
 )
-"""Claims of section 6.1."""
+"""Claims on the controller."""

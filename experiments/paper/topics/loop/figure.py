@@ -3,22 +3,13 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    VERMILION,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-)
+from experiments.page import style
 from experiments.paper.topics.loop.numbers import CROSSOVER, STEP, Design, StepResponse
 from scdpr_jax.command.controller import PD
 from tuning.loop.plant import MotorPlant
 
 
-@styled
+@style.styled
 def draw_step_response(response: StepResponse) -> Figure:
     """Speed of a bare drive after a step.
 
@@ -28,17 +19,18 @@ def draw_step_response(response: StepResponse) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=2.8, width=6.0)
+    figure = style.new_figure(height=2.8, width=6.0)
     axes = figure.subplots()
-    axes.plot(response.time, response.speed, "o", ms=3, color=BLUE, label="encoder, 10 ms")
-    axes.plot(response.time, response.fitted, color=VERMILION, label="fitted (24)")
-    axes.set_xlabel(label("time", "s"))
-    axes.set_ylabel(label(f"speed after {STEP:g} V", "°/s"))
-    legend_above(axes)
+    axes.plot(
+        response.time, response.speed, "o", ms=3, color=style.BLUE, label="encoder, 10 ms"
+    )
+    axes.plot(response.time, response.fitted, color=style.VERMILION, label="fitted (24)")
+    axes.set(xlabel="time [s]", ylabel=f"speed after {STEP:g} V [°/s]")
+    style.legend_above(axes)
     return figure
 
 
-@styled
+@style.styled
 def draw_bode(designs: dict[str, Design], *, plant: MotorPlant) -> Figure:
     """Open loops of the drive with several controllers.
 
@@ -49,21 +41,23 @@ def draw_bode(designs: dict[str, Design], *, plant: MotorPlant) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.2)
+    figure = style.new_figure(height=3.2)
     gain, phase = figure.subplots(1, 2)
     omega = np.geomspace(5, 500, 300)
-    for (name, design), colour in zip(designs.items(), (BLUE, VERMILION), strict=True):
+    for (name, design), colour in zip(
+        designs.items(), (style.BLUE, style.VERMILION), strict=True
+    ):
         loop = _open_loop(plant, design.controller, omega)
         gain.loglog(omega, np.abs(loop), color=colour, label=name)
         phase.semilogx(omega, np.rad2deg(np.unwrap(np.angle(loop))), color=colour)
-    gain.axhline(1, color=BLACK, lw=0.8)
+    gain.axhline(1, color=style.BLACK, lw=0.8)
     for axes in (gain, phase):
-        axes.axvline(CROSSOVER, color=GREY, ls="--", lw=1)
-        axes.set_xlabel(label("angular frequency", "rad/s"))
-    phase.axhline(-120, color=GREY, ls="--", lw=1)
-    gain.set_ylabel(label("|R G|", "1"))
-    phase.set_ylabel(label("phase", "°"))
-    legend_above(gain)
+        axes.axvline(CROSSOVER, color=style.GREY, ls="--", lw=1)
+        axes.set_xlabel("angular frequency [rad/s]")
+    phase.axhline(-120, color=style.GREY, ls="--", lw=1)
+    gain.set_ylabel("|R G| [1]")
+    phase.set_ylabel("phase [°]")
+    style.legend_above(gain)
     return figure
 
 

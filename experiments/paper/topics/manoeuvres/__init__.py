@@ -1,4 +1,3 @@
 """The controlled manoeuvres: Table 3 with Figures 16 to 20, section 6.2."""
 
-from experiments.paper.topics.manoeuvres.claims import CLAIMS as CLAIMS
 from experiments.paper.topics.manoeuvres.section import SECTIONS as SECTIONS

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.paper.claim import AS_PRINTED, Claim, Verdict, at_least, digits, within
+from experiments.paper.claim import Claim, Printed, at_least, within
 from experiments.paper.topics.manoeuvres.numbers import (
     BOTH_LEGS,
     GRAVITY,
@@ -42,187 +42,105 @@ def _tilt(name: str, leg_time: float) -> float:
 def _given(name: str) -> tuple[Claim, ...]:
     parts = ("initial x", "initial y", "intermediate x", "intermediate y")
     poses = tuple(
-        Claim(
-            "table3",
-            "Table 3",
-            f"{part} of the {name} manoeuvre",
-            text,
-            "m",
-            digits(text),
-            AS_PRINTED,
-            lambda index=index: _pose(name, index),
-            Verdict.GIVEN,
+        Printed("Table 3", text, "m").given(
+            f"{part} of the {name} manoeuvre", lambda index=index: _pose(name, index)
         )
         for index, (part, text) in enumerate(zip(parts, _POSES[name], strict=True))
     )
-    time = Claim(
-        "table3",
-        "Table 3",
+    time = Printed("Table 3", f"{ONE_LEG[name]:g}", "s").given(
         f"time of the {name} manoeuvre",
-        f"{ONE_LEG[name]:g}",
-        "s",
-        digits(f"{ONE_LEG[name]:g}"),
-        AS_PRINTED,
         lambda: TABLE_3_LEG_TIMES[NAMES.index(name)],
-        Verdict.GIVEN,
         "of one leg or of both: E16, E27",
     )
     return (*poses, time)
 
 
-CLAIMS: tuple[Claim, ...] = (
+_HORIZONTAL = Printed("6.2, Fig. 18", "50", "mm", within(50.0, 5.0), _ABOUT_50)
+_VERTICAL = Printed("6.2, Fig. 18", "8", "mm", within(8.0, 1.0), _ABOUT_8)
+_ROTATION = Printed("6.2, Fig. 19", "3.2", "°", within(3.2, 0.35), _TILT)
+_COMMAND = Printed("6.2, Fig. 20", "near 10", "V", within(10.0, 0.5), "“near”: a twentieth")
+
+TABLE3: tuple[Claim, ...] = (
     *(claim for name in NAMES for claim in _given(name)),
-    Claim(
-        "table3",
-        "Table 3",
+    Printed("Table 3", "0.01", "m", at_least(0.287 / 2), "half a carriage").not_reproducible(
         "the diagonal's intermediate x lies in the workspace (1)",
-        "0.01",
-        "m",
-        at_least(0.287 / 2),
-        "half a carriage",
         lambda: _pose("diagonal", 2),
-        Verdict.NOT_REPRODUCIBLE,
         "E17: (1) needs 0.1435 m",
     ),
-    Claim(
-        "fig18",
-        "6.2, Fig. 18",
+)
+"""Claims on the manoeuvres' poses and times."""
+
+FIG18: tuple[Claim, ...] = (
+    _HORIZONTAL.after_erratum(
         "largest error, horizontal, Table 3's time for both legs, T_eff = 85 N",
-        "50",
-        "mm",
-        within(50.0, 5.0),
-        _ABOUT_50,
         lambda: _error("horizontal", BOTH_LEGS["horizontal"]),
-        Verdict.AFTER_ERRATUM,
         "E22, E27: 85 N is fitted to it",
         heavy=True,
     ),
-    Claim(
-        "fig18",
-        "6.2, Fig. 18",
+    _HORIZONTAL.not_reproducible(
         "largest error, horizontal, Table 3's time for one leg, T_eff = 85 N",
-        "50",
-        "mm",
-        within(50.0, 5.0),
-        _ABOUT_50,
         lambda: _error("horizontal", ONE_LEG["horizontal"]),
-        Verdict.NOT_REPRODUCIBLE,
         "E27: 25 mm",
         heavy=True,
     ),
-    Claim(
-        "fig18",
-        "6.2, Fig. 18",
+    _HORIZONTAL.not_reproducible(
         "largest error, horizontal, time for both legs, the nominal 350 N",
-        "50",
-        "mm",
-        within(50.0, 5.0),
-        _ABOUT_50,
         lambda: _error("horizontal", BOTH_LEGS["horizontal"], 350.0),
-        Verdict.NOT_REPRODUCIBLE,
         "E27: 20 mm",
         heavy=True,
     ),
-    Claim(
-        "fig18",
-        "6.2",
+    Printed("6.2", "accelerating", "1", at_least(0.5), "the larger half").reproduced(
         "commanded acceleration where the horizontal error is largest, over its largest",
-        "accelerating",
-        "1",
-        at_least(0.5),
-        "the larger half",
         lambda: tracked("horizontal", BOTH_LEGS["horizontal"]).pushed,
-        Verdict.REPRODUCED,
         heavy=True,
     ),
-    Claim(
-        "fig18",
-        "6.2, Fig. 18",
+    _VERTICAL.after_erratum(
         "largest error, vertical, time for both legs, gravity on",
-        "8",
-        "mm",
-        within(8.0, 1.0),
-        _ABOUT_8,
         lambda: _error("vertical", BOTH_LEGS["vertical"], None, GRAVITY),
-        Verdict.AFTER_ERRATUM,
         "E31: with the weight that the paper leaves out",
         heavy=True,
     ),
-    Claim(
-        "fig18",
-        "6.2, Fig. 18",
+    _VERTICAL.not_reproducible(
         "largest error, vertical, time for both legs, no gravity",
-        "8",
-        "mm",
-        within(8.0, 1.0),
-        _ABOUT_8,
         lambda: _error("vertical", BOTH_LEGS["vertical"]),
-        Verdict.NOT_REPRODUCIBLE,
         "E31: 5.7 mm",
         heavy=True,
     ),
-    Claim(
-        "fig18",
-        "6.2, Fig. 18",
+    _VERTICAL.not_reproducible(
         "largest error, vertical, time for one leg, no gravity",
-        "8",
-        "mm",
-        within(8.0, 1.0),
-        _ABOUT_8,
         lambda: _error("vertical", ONE_LEG["vertical"]),
-        Verdict.NOT_REPRODUCIBLE,
         "E31: 2.8 mm",
         heavy=True,
     ),
-    Claim(
-        "fig19",
-        "6.2, Fig. 19",
+)
+"""Claims on the tracking error."""
+
+FIG19: tuple[Claim, ...] = (
+    _ROTATION.after_erratum(
         "largest rotation of all manoeuvres: the horizontal one at 2 s a leg",
-        "3.2",
-        "°",
-        within(3.2, 0.35),
-        _TILT,
         lambda: _tilt("horizontal", BOTH_LEGS["horizontal"]),
-        Verdict.AFTER_ERRATUM,
         "E27: at the 85 N that 50 mm ask for",
         heavy=True,
     ),
-    Claim(
-        "fig19",
-        "6.2, Fig. 19",
+    _ROTATION.not_reproducible(
         "largest rotation of the diagonal manoeuvre at 2.5 s a leg",
-        "3.2",
-        "°",
-        within(3.2, 0.35),
-        _TILT,
         lambda: _tilt("diagonal", ONE_LEG["diagonal"]),
-        Verdict.NOT_REPRODUCIBLE,
         "E27: 2.5° at 85 N, 3.1° at 75 N",
         heavy=True,
     ),
-    Claim(
-        "fig20",
-        "6.2, Fig. 20",
+)
+"""Claims on the rotation."""
+
+FIG20: tuple[Claim, ...] = (
+    _COMMAND.after_erratum(
         "command of the diagonal in mid-leg, time for one leg",
-        "near 10",
-        "V",
-        within(10.0, 0.5),
-        "“near”: a twentieth",
         lambda: derived_consistently().diagonal_voltage,
-        Verdict.AFTER_ERRATUM,
         "E1, E16: with r = 73 mm",
     ),
-    Claim(
-        "fig20",
-        "6.2, Fig. 20",
+    _COMMAND.not_reproducible(
         "command of the diagonal in mid-leg, time for both legs",
-        "near 10",
-        "V",
-        within(10.0, 0.5),
-        "“near”: a twentieth",
         lambda: 2 * derived_consistently().diagonal_voltage,
-        Verdict.NOT_REPRODUCIBLE,
         "E16: 20 V, twice what the drives take",
     ),
 )
-"""Claims of section 6.2."""
+"""Claims on the commands."""

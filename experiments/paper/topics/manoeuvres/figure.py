@@ -3,22 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    VERMILION,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-    thinned,
-)
+from experiments.page import style
 from experiments.paper.topics.manoeuvres.numbers import Tracked
 from scdpr_jax.robot.state import HEIGHT, TILT, X, pose
 
 
-@styled
+@style.styled
 def draw_tracking(run: Tracked) -> Figure:
     """Both coordinates of a manoeuvre beside their references, Figures 16 and 17.
 
@@ -28,21 +18,22 @@ def draw_tracking(run: Tracked) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.0)
+    figure = style.new_figure(height=3.0)
     for axes, column, part in zip(figure.subplots(1, 2), (X, HEIGHT), (0, 1), strict=True):
         axes.plot(
-            *thinned(run.time, 1e3 * run.position[:, column]), color=BLUE, label="end-effector"
+            *style.thinned(run.time, 1e3 * run.position[:, column]),
+            color=style.BLUE,
+            label="end-effector",
         )
         axes.plot(
-            *thinned(run.time, 1e3 * run.reference[:, part]),
-            color=BLACK,
+            *style.thinned(run.time, 1e3 * run.reference[:, part]),
+            color=style.BLACK,
             ls="--",
             lw=1.0,
             label="reference",
         )
-        axes.set_ylabel(label(("xₑ", "yₑ")[part], "mm"))
-        axes.set_xlabel(label("time", "s"))
-        legend_above(axes)
+        axes.set(ylabel=f"{('xₑ', 'yₑ')[part]} [mm]", xlabel="time [s]")
+        style.legend_above(axes)
         middle = 1e3 * np.mean(run.reference[:, part])
         low, high = axes.get_ylim()
         if high - low < 20:
@@ -50,7 +41,7 @@ def draw_tracking(run: Tracked) -> Figure:
     return figure
 
 
-@styled
+@style.styled
 def draw_errors(runs: dict[str, tuple[Tracked, float]]) -> Figure:
     """Errors over time, Eq. (26), with the reported largest ones, Figure 18.
 
@@ -60,27 +51,29 @@ def draw_errors(runs: dict[str, tuple[Tracked, float]]) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.0)
+    figure = style.new_figure(height=3.0)
     panels = np.atleast_1d(figure.subplots(1, len(runs)))
     for axes, (name, (run, reported)) in zip(panels, runs.items(), strict=True):
-        axes.plot(*thinned(run.time, 1e3 * run.error), color=BLUE)
-        axes.axhline(1e3 * reported, color=GREY, ls="--", lw=1.2)
+        axes.plot(*style.thinned(run.time, 1e3 * run.error), color=style.BLUE)
+        axes.axhline(1e3 * reported, color=style.GREY, ls="--", lw=1.2)
         axes.annotate(
             f"reported: about {1e3 * reported:.0f} mm",
             (run.time[-1], 1e3 * reported),
             xytext=(0, 3),
             textcoords="offset points",
             ha="right",
-            color=GREY,
+            color=style.GREY,
         )
-        axes.set_title(name)
-        axes.set_ylim(0, 1.25e3 * max(reported, run.error.max()))
-        axes.set_xlabel(label("time", "s"))
-        axes.set_ylabel(label("εₑ", "mm"))
+        axes.set(
+            title=name,
+            ylim=(0, 1.25e3 * max(reported, run.error.max())),
+            xlabel="time [s]",
+            ylabel="εₑ [mm]",
+        )
     return figure
 
 
-@styled
+@style.styled
 def draw_diagonal(run: Tracked) -> Figure:
     """Path and rotation of the diagonal manoeuvre, Figure 19.
 
@@ -90,23 +83,22 @@ def draw_diagonal(run: Tracked) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.2)
+    figure = style.new_figure(height=3.2)
     path, tilt = figure.subplots(1, 2)
-    path.plot(*(1e3 * pose(run.position)[::10].T), color=BLUE, label="end-effector")
-    path.plot(*(1e3 * run.reference[::10].T), color=BLACK, ls="--", lw=1.0, label="reference")
-    path.set_xlabel(label("xₑ", "mm"))
-    path.set_ylabel(label("yₑ", "mm"))
-    legend_above(path)
-    tilt.plot(*thinned(run.time, np.rad2deg(run.position[:, TILT])), color=BLUE)
+    path.plot(*(1e3 * pose(run.position)[::10].T), color=style.BLUE, label="end-effector")
+    path.plot(
+        *(1e3 * run.reference[::10].T), color=style.BLACK, ls="--", lw=1.0, label="reference"
+    )
+    path.set(xlabel="xₑ [mm]", ylabel="yₑ [mm]")
+    style.legend_above(path)
+    tilt.plot(*style.thinned(run.time, np.rad2deg(run.position[:, TILT])), color=style.BLUE)
     for sign in (-1, 1):
-        tilt.axhline(sign * 3.2, color=GREY, ls="--", lw=1.0)
-    tilt.set_title("rotation, and the reported 3.2°")
-    tilt.set_xlabel(label("time", "s"))
-    tilt.set_ylabel(label("δₑ", "°"))
+        tilt.axhline(sign * 3.2, color=style.GREY, ls="--", lw=1.0)
+    tilt.set(title="rotation, and the reported 3.2°", xlabel="time [s]", ylabel="δₑ [°]")
     return figure
 
 
-@styled
+@style.styled
 def draw_joints(run: Tracked, *, limit: float) -> Figure:
     """Joint angles and control signals of a manoeuvre, Figure 20.
 
@@ -117,28 +109,28 @@ def draw_joints(run: Tracked, *, limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.2)
+    figure = style.new_figure(height=3.2)
     joints, command = figure.subplots(1, 2)
-    for motor, colour in enumerate((BLUE, VERMILION)):
+    for motor, colour in enumerate((style.BLUE, style.VERMILION)):
         name = f"α{'₁₂'[motor]}"
-        joints.plot(*thinned(run.time, run.angle[:, motor]), color=colour, label=name)
+        joints.plot(*style.thinned(run.time, run.angle[:, motor]), color=colour, label=name)
         joints.plot(
-            *thinned(run.time, run.angle_reference[:, motor]),
-            color=BLACK,
+            *style.thinned(run.time, run.angle_reference[:, motor]),
+            color=style.BLACK,
             ls="--",
             lw=0.9,
             label="references" if motor == 0 else None,
         )
         command.plot(
-            *thinned(run.time[:-1], run.voltage[:, motor]),
+            *style.thinned(run.time[:-1], run.voltage[:, motor]),
             color=colour,
             label=f"V{'₁₂'[motor]}",
         )
     for sign in (-1, 1):
-        command.axhline(sign * limit, color=GREY, ls="--", lw=1.0)
-    joints.set_ylabel(label("angle", "rad"))
-    command.set_ylabel(label("command", "V"))
+        command.axhline(sign * limit, color=style.GREY, ls="--", lw=1.0)
+    joints.set_ylabel("angle [rad]")
+    command.set_ylabel("command [V]")
     for axes in (joints, command):
-        axes.set_xlabel(label("time", "s"))
-        legend_above(axes)
+        axes.set_xlabel("time [s]")
+        style.legend_above(axes)
     return figure

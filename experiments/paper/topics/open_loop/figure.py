@@ -2,28 +2,17 @@
 
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    VERMILION,
-    figure_legend,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-    thinned,
-)
+from experiments.page import style
 from experiments.paper.topics.open_loop.numbers import TITLES, OpenLoop
 
 _SERIES = (
-    (0, "end-effector xₑ", BLUE),
-    (2, "lower carriage q₃", VERMILION),
-    (3, "upper carriage q₄", GREEN),
+    (0, "end-effector xₑ", style.BLUE),
+    (2, "lower carriage q₃", style.VERMILION),
+    (3, "upper carriage q₄", style.GREEN),
 )
 
 
-@styled
+@style.styled
 def draw_fig13(runs: OpenLoop) -> Figure:
     """Positions of experiment 1, and how far the end-effector lags.
 
@@ -33,26 +22,27 @@ def draw_fig13(runs: OpenLoop) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.4)
+    figure = style.new_figure(height=3.4)
     position, apart = figure.subplots(1, 2)
     first = runs.position[0]
     for column, name, colour in _SERIES:
-        position.plot(*thinned(runs.time, 1e3 * first[:, column]), color=colour, label=name)
+        position.plot(
+            *style.thinned(runs.time, 1e3 * first[:, column]), color=colour, label=name
+        )
         if column != 2:
             apart.plot(
-                *thinned(runs.time, 1e3 * (first[:, column] - first[:, 2])), color=colour
+                *style.thinned(runs.time, 1e3 * (first[:, column] - first[:, 2])), color=colour
             )
-    position.set_ylabel(label("position", "mm"))
-    apart.set_ylabel(label("xₑ − q₃, q₄ − q₃", "mm"))
-    apart.set_title("behind the lower carriage")
+    position.set(ylabel="position [mm]")
+    apart.set(ylabel="xₑ − q₃, q₄ − q₃ [mm]", title="behind the lower carriage")
     for axes in (position, apart):
-        axes.axvline(1.0, color=GREY, lw=0.8, ls="--")
-        axes.set_xlabel(label("time", "s"))
-    legend_above(position, columns=2)
+        axes.axvline(1.0, color=style.GREY, lw=0.8, ls="--")
+        axes.set_xlabel("time [s]")
+    style.legend_above(position, columns=2)
     return figure
 
 
-@styled
+@style.styled
 def draw_fig14(runs: OpenLoop) -> Figure:
     """Torques of the four experiments, as the drives give them.
 
@@ -62,24 +52,23 @@ def draw_fig14(runs: OpenLoop) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=2.6)
+    figure = style.new_figure(height=2.6)
     panels = figure.subplots(1, 4, sharey=True)
     for axes, torque, title in zip(panels, runs.torque, TITLES, strict=True):
-        for motor, (colour, style) in enumerate(((BLUE, "-"), (VERMILION, "--"))):
+        for motor, (colour, dashes) in enumerate(((style.BLUE, "-"), (style.VERMILION, "--"))):
             axes.plot(
-                *thinned(runs.time, torque[:, motor]),
+                *style.thinned(runs.time, torque[:, motor]),
                 color=colour,
-                ls=style,
+                ls=dashes,
                 label=f"τ{'₁₂'[motor]}",
             )
-        axes.set_title(title)
-        axes.set_xlabel(label("time", "s"))
-    panels[0].set_ylabel(label("torque", "N m"))
-    figure_legend(figure, panels[0])
+        axes.set(title=title, xlabel="time [s]")
+    panels[0].set_ylabel("torque [N m]")
+    style.figure_legend(figure, panels[0])
     return figure
 
 
-@styled
+@style.styled
 def draw_table2(runs: OpenLoop) -> Figure:
     """Where the end-effector goes in the four experiments.
 
@@ -89,13 +78,13 @@ def draw_table2(runs: OpenLoop) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=2.8)
+    figure = style.new_figure(height=2.8)
     panels = figure.subplots(1, 4)
     for index, (axes, title) in enumerate(zip(panels, TITLES, strict=True)):
         column = 0 if index < 2 else 4
-        axes.plot(*thinned(runs.time, 1e3 * runs.position[index, :, column]), color=BLUE)
-        axes.axvline(1.0, color=GREY, lw=0.8, ls="--")
-        axes.set_title(title)
-        axes.set_xlabel(label("time", "s"))
-        axes.set_ylabel(label("xₑ" if index < 2 else "yₑ", "mm"))
+        axes.plot(
+            *style.thinned(runs.time, 1e3 * runs.position[index, :, column]), color=style.BLUE
+        )
+        axes.axvline(1.0, color=style.GREY, lw=0.8, ls="--")
+        axes.set(title=title, xlabel="time [s]", ylabel=f"{'xₑ' if index < 2 else 'yₑ'} [mm]")
     return figure

@@ -2,13 +2,10 @@
 
 from experiments.page.number_text import plain, readable_unit, short
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
-from experiments.paper.topics.prototype.numbers import (
-    Derived,
-    derived_as_printed,
-    derived_consistently,
-)
+from experiments.paper.topics.prototype.claims import TABLE1
+from experiments.paper.topics.prototype.numbers import derived_as_printed, derived_consistently
 from scdpr_jax.robot.prototype import PROVENANCE
 from scdpr_jax.robot.quantities import quantity
 
@@ -26,13 +23,6 @@ _DERIVED = (
 )
 
 
-def _rows(printed: Derived, used: Derived) -> tuple[tuple[str, ...], ...]:
-    return tuple(
-        (meaning, plain(getattr(printed, name), 3), plain(getattr(used, name), 3), unit)
-        for name, meaning, unit in _DERIVED
-    )
-
-
 def table1(picture: Pictures) -> Content:
     """Table 1 with its derived quantities.
 
@@ -43,40 +33,37 @@ def table1(picture: Pictures) -> Content:
         The section.
     """
     printed, used = derived_as_printed(), derived_consistently()
-    numbers = tuple(
-        (
-            f"{quantity(source.name).meaning}",
-            short(source.published),
-            short(source.consistent, 4),
-            readable_unit(quantity(source.name).unit),
-            source.provenance,
-        )
+    derived = (
+        {
+            "quantity": meaning,
+            "as printed": plain(getattr(printed, name), 3),
+            "consistent": plain(getattr(used, name), 3),
+            "unit": unit,
+        }
+        for name, meaning, unit in _DERIVED
+    )
+    numbers = (
+        {
+            "quantity": quantity(source.name).meaning,
+            "printed": short(source.published),
+            "used": short(source.consistent, 4),
+            "unit": readable_unit(quantity(source.name).unit),
+            "where from": source.provenance,
+        }
         for source in PROVENANCE
     )
     return Content(
-        (
-            f"With the printed radius of 7.3 mm the drives' inertia weighs "
-            f"{printed.reflected_inertia:.0f} kg at the cable and 10 V move it at "
-            f"{printed.top_speed:.2f} m/s: no experiment could be run. With 73 mm it is "
-            f"{used.reflected_inertia:.2f} kg and {used.top_speed:.2f} m/s.",
-            f"The robot breaks away at {used.breakaway_force:.1f} N; the printed μ makes "
-            f"{printed.printed_friction:.0f} N on each carriage, more than the "
-            f"{used.largest_force:.0f} N of both drives at 10 V.",
-        ),
-        tables=(
-            Table(
-                "What follows from it",
-                ("quantity", "as printed", "consistent", "unit"),
-                _rows(printed, used),
-            ),
-            Table(
-                "Table 1 and sections 5.1, 6.1",
-                ("quantity", "printed", "used", "unit", "where from"),
-                numbers,
-            ),
-        ),
+        f"With the printed radius of 7.3 mm the drives' inertia weighs "
+        f"{printed.reflected_inertia:.0f} kg at the cable and 10 V move it at "
+        f"{printed.top_speed:.2f} m/s: no experiment could be run. With 73 mm it is "
+        f"{used.reflected_inertia:.2f} kg and {used.top_speed:.2f} m/s.",
+        f"The robot breaks away at {used.breakaway_force:.1f} N; the printed μ makes "
+        f"{printed.printed_friction:.0f} N on each carriage, more than the "
+        f"{used.largest_force:.0f} N of both drives at 10 V.",
+        table_of("What follows from it", derived),
+        table_of("Table 1 and sections 5.1, 6.1", numbers),
     )
 
 
-SECTIONS = (Section("table1", "Table 1, and what follows from it", 1.0, table1),)
+SECTIONS = (Section("table1", "Table 1, and what follows from it", 1.0, table1, TABLE1),)
 """Sections of this module."""

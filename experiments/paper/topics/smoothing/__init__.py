@@ -1,4 +1,3 @@
 """What smoothed friction does to what is identified: our own `docs/validity.md`, judged."""
 
-from experiments.paper.topics.smoothing.claims import CLAIMS as CLAIMS
 from experiments.paper.topics.smoothing.section import SECTIONS as SECTIONS

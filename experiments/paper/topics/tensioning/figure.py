@@ -2,24 +2,11 @@
 
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    SKY,
-    VERMILION,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-    thinned,
-)
+from experiments.page import style
 from experiments.paper.topics.tensioning.numbers import Creep, Runs
 
 
-@styled
+@style.styled
 def draw_creep(numbers: Creep) -> Figure:
     """Pretension and frequency over a thousand hours.
 
@@ -29,17 +16,17 @@ def draw_creep(numbers: Creep) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.2)
+    figure = style.new_figure(height=3.2)
     tension, frequency = figure.subplots(1, 2)
     lines = [
         (values, colour, f"steel, {1e6 * strain:g} µm/m a decade")
         for (strain, values), colour in zip(
-            numbers.bare.items(), (SKY, BLUE, VERMILION), strict=True
+            numbers.bare.items(), (style.SKY, style.BLUE, style.VERMILION), strict=True
         )
     ]
     lines += [
-        (numbers.printed, ORANGE, "printed E, the largest creep"),
-        (numbers.held, GREEN, "steel, the largest creep, held"),
+        (numbers.printed, style.ORANGE, "printed E, the largest creep"),
+        (numbers.held, style.GREEN, "steel, the largest creep, held"),
     ]
     shown = numbers.hours > 0
     for values, colour, name in lines:
@@ -47,14 +34,14 @@ def draw_creep(numbers: Creep) -> Figure:
         left = (values[shown] / values[0]) ** 0.5
         frequency.semilogx(numbers.hours[shown], 100 * left, color=colour)
     for axes in (tension, frequency):
-        axes.set_xlabel(label("time under load", "h"))
-    tension.set_ylabel(label("pretension", "N"))
-    frequency.set_ylabel(label("natural frequency left", "%"))
-    legend_above(tension, columns=2)
+        axes.set_xlabel("time under load [h]")
+    tension.set_ylabel("pretension [N]")
+    frequency.set_ylabel("natural frequency left [%]")
+    style.legend_above(tension, columns=2)
     return figure
 
 
-@styled
+@style.styled
 def draw_tensions(numbers: Runs) -> Figure:
     """Tension and actuator in experiment 1.
 
@@ -64,18 +51,18 @@ def draw_tensions(numbers: Runs) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=3.2)
+    figure = style.new_figure(height=3.2)
     tension, travel = figure.subplots(1, 2)
     for (name, values), colour in zip(
-        numbers.tension.items(), (VERMILION, ORANGE, BLUE), strict=True
+        numbers.tension.items(), (style.VERMILION, style.ORANGE, style.BLUE), strict=True
     ):
-        tension.plot(*thinned(numbers.time, values), color=colour, label=name)
-        travel.plot(*thinned(numbers.time, 1e3 * numbers.travel[name]), color=colour)
-    tension.axhline(85, color=BLACK, ls="--", lw=1, label="constant tension")
-    tension.set_ylabel(label("tension in experiment 1", "N"))
-    travel.axhline(1e3 * numbers.path, color=GREY, ls="--", lw=1)
-    travel.set_ylabel(label("travel of the actuator", "mm"))
+        tension.plot(*style.thinned(numbers.time, values), color=colour, label=name)
+        travel.plot(*style.thinned(numbers.time, 1e3 * numbers.travel[name]), color=colour)
+    tension.axhline(85, color=style.BLACK, ls="--", lw=1, label="constant tension")
+    tension.set_ylabel("tension in experiment 1 [N]")
+    travel.axhline(1e3 * numbers.path, color=style.GREY, ls="--", lw=1)
+    travel.set_ylabel("travel of the actuator [mm]")
     for axes in (tension, travel):
-        axes.set_xlabel(label("time", "s"))
-    legend_above(tension, columns=2)
+        axes.set_xlabel("time [s]")
+    style.legend_above(tension, columns=2)
     return figure

@@ -3,18 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiments.page.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    VERMILION,
-    figure_legend,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-)
+from experiments.page import style
 from experiments.paper.topics.validity.numbers import (
     CAMERA,
     FORCES,
@@ -24,11 +13,11 @@ from experiments.paper.topics.validity.numbers import (
     Validity,
 )
 
-_COLOURS = (ORANGE, VERMILION, GREEN, BLUE)
+_COLOURS = (style.ORANGE, style.VERMILION, style.GREEN, style.BLUE)
 _TICKS = (2, 5, 10, 20, 50)  # N
 
 
-@styled
+@style.styled
 def draw_linear_error(numbers: Validity) -> Figure:
     """Error of the linear model over pose, pretension and acceleration.
 
@@ -38,7 +27,7 @@ def draw_linear_error(numbers: Validity) -> Figure:
     Returns:
         The figure: a panel for each pretension.
     """
-    figure = new_figure(height=3.0)
+    figure = style.new_figure(height=3.0)
     panels = figure.subplots(1, len(TENSIONS), sharey=True)
     for axes, tension, error in zip(panels, TENSIONS, numbers.error, strict=True):
         for index, volts in enumerate(VOLTAGES):
@@ -49,15 +38,14 @@ def draw_linear_error(numbers: Validity) -> Figure:
                 ms=3,
                 label=f"{numbers.acceleration[index]:.1f} m/s² ({volts:g} V)",
             )
-        axes.axhline(1e3 * CAMERA, color=GREY, ls="--", lw=1, label="camera")
-        axes.set_title(f"T_eff {tension:g} N")
-        axes.set_xlabel(label("yₑ", "mm"))
-    panels[0].set_ylabel(label("error of (18)", "mm"))
-    figure_legend(figure, panels[0], columns=6)
+        axes.axhline(1e3 * CAMERA, color=style.GREY, ls="--", lw=1, label="camera")
+        axes.set(title=f"T_eff {tension:g} N", xlabel="yₑ [mm]")
+    panels[0].set_ylabel("error of (18) [mm]")
+    style.figure_legend(figure, panels[0], columns=6)
     return figure
 
 
-@styled
+@style.styled
 def draw_sticking(numbers: Validity) -> Figure:
     """Share of the time after a knock in which the carriages rest.
 
@@ -67,7 +55,7 @@ def draw_sticking(numbers: Validity) -> Figure:
     Returns:
         The figure.
     """
-    figure = new_figure(height=2.8)
+    figure = style.new_figure(height=2.8)
     for axes, carriage in zip(figure.subplots(1, 2, sharey=True), (0, 1), strict=True):
         for tension, share, colour in zip(TENSIONS, numbers.sticking, _COLOURS, strict=True):
             axes.semilogx(
@@ -78,10 +66,9 @@ def draw_sticking(numbers: Validity) -> Figure:
                 color=colour,
                 label=f"T_eff {tension:g} N",
             )
-        axes.set_xlabel(label("force of the knock, 30 ms", "N"))
+        axes.set_xlabel("force of the knock, 30 ms [N]")
         axes.set_xticks(_TICKS, [f"{force:g}" for force in _TICKS])
         axes.minorticks_off()
-        axes.set_ylabel(label(f"{('lower', 'upper')[carriage]} carriage rests", "%"))
-        axes.set_ylim(0, 105)
-        legend_above(axes, columns=2)
+        axes.set(ylabel=f"{('lower', 'upper')[carriage]} carriage rests [%]", ylim=(0, 105))
+        style.legend_above(axes, columns=2)
     return figure

@@ -1,4 +1,3 @@
 """The conventional robot's workspace beside the single loop's: Figures 3 and 6."""
 
-from experiments.paper.topics.workspaces.claims import CLAIMS as CLAIMS
 from experiments.paper.topics.workspaces.section import SECTIONS as SECTIONS

@@ -2,7 +2,7 @@
 
 import math
 
-from experiments.paper.claim import Claim, Verdict, within
+from experiments.paper.claim import Claim, Printed, within
 from experiments.paper.topics.workspaces.numbers import workspaces
 
 
@@ -13,67 +13,46 @@ def _one_maximum() -> float:
     return 100 * crossed[0].share(crossed[1].maximum_for(0.4156))
 
 
-CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        "fig3",
-        "2.1",
+_SHARE = Printed("2.1", "70.73", "%", within(70.73, 1.0), "a per cent: the grid and the border")
+
+FIG3: tuple[Claim, ...] = (
+    _SHARE.not_reproducible(
         "share of the frame for T_min = 10 N, cables open, whatever T_max",
-        "70.73",
-        "%",
-        within(70.73, 1.0),
-        "a per cent: the grid and the border",
         lambda: 100 * workspaces().of(crossed=False, minimum=10.0).share(math.inf),
-        Verdict.NOT_REPRODUCIBLE,
         "E28: open cables hold 66 % of the frame at most, with any T_max; T_max isn't printed",
     ),
-    Claim(
-        "fig3",
-        "2.1",
+    _SHARE.not_reproducible(
         "share of the frame for T_min = 10 N at the T_max that gives 41.56 % at 50 N, crossed",
-        "70.73",
-        "%",
-        within(70.73, 1.0),
-        "a per cent: the grid and the border",
         _one_maximum,
-        Verdict.NOT_REPRODUCIBLE,
         "E28: crossed cables need 93 N for the one and 151 N for the other; one T_max gives "
         "never both",
     ),
-    Claim(
-        "fig3",
+    Printed(
         "2.1",
-        "share of the frame for T_min = 50 N, cables open, T_max chosen as 287 N",
         "41.56",
         "%",
         within(41.56, 1.0),
         "a per cent: T_max to a newton moves it by a third of that",
+    ).after_erratum(
+        "share of the frame for T_min = 50 N, cables open, T_max chosen as 287 N",
         lambda: 100 * workspaces().of(crossed=False, minimum=50.0).share(287.0),
-        Verdict.AFTER_ERRATUM,
         "E28: T_max isn't printed; this is the one that gives the figure",
     ),
-    Claim(
-        "fig6",
-        "2.4",
+)
+"""Claims on the conventional robot's workspace."""
+
+FIG6: tuple[Claim, ...] = (
+    Printed(
+        "2.4", "> 70.73", "%", (70.73, 100.0), "a gain is more than what is gained upon"
+    ).not_reproducible(
         "share of the frame that expression (1) gives, to be above the conventional 70.73 %",
-        "> 70.73",
-        "%",
-        (70.73, 100.0),
-        "a gain is more than what is gained upon",
         lambda: 100 * workspaces().loop_share,
-        Verdict.NOT_REPRODUCIBLE,
         "E29: (1) with Table 1 is 65.1 % of the frame's area",
     ),
-    Claim(
-        "fig6",
-        "2.4",
+    Printed("2.4", "almost all", "%", (95.0, 100.0), "almost all, read as 95 %").reproduced(
         "share of the poses inside the frame, “almost all”",
-        "almost all",
-        "%",
-        (95.0, 100.0),
-        "almost all, read as 95 %",
         lambda: 100 * workspaces().loop_reachable,
-        Verdict.REPRODUCED,
         "tensions don't limit it; a carriage as wide as the end-effector takes nothing away",
     ),
 )
-"""Claims of sections 2.1 and 2.4."""
+"""Claims on the single loop's workspace."""

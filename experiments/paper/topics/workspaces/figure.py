@@ -5,26 +5,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from experiments.page.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    VERMILION,
-    label,
-    legend_above,
-    new_figure,
-    styled,
-)
+from experiments.page import style
 from experiments.paper.topics.workspaces.numbers import PRINTED, Workspaces
 
 _LEVELS = (50, 75, 100, 150, 200, 300, 500)
-_COLOURS = (BLUE, GREEN, VERMILION, ORANGE)
+_COLOURS = (style.BLUE, style.GREEN, style.VERMILION, style.ORANGE)
 _MOST = 500.0  # N, of the drawn tensions
 
 
-@styled
+@style.styled
 def draw_fig3(numbers: Workspaces) -> Figure:
     """Where the conventional robot can stand, by the largest tension that it needs.
 
@@ -34,7 +23,7 @@ def draw_fig3(numbers: Workspaces) -> Figure:
     Returns:
         The figure: four maps.
     """
-    figure = new_figure(height=5.6)
+    figure = style.new_figure(height=5.6)
     panels = figure.subplots(2, 2)
     for axes, cables in zip(panels.ravel(), numbers.cables, strict=True):
         needed = np.where(np.isfinite(cables.needed), cables.needed, np.nan)
@@ -52,11 +41,11 @@ def draw_fig3(numbers: Workspaces) -> Figure:
         )
         axes.set_xlabel(told)
     bar = figure.colorbar(filled, ax=list(panels.ravel()), shrink=0.9, pad=0.01)
-    bar.set_label(label("T_max that a pose needs", "N"))
+    bar.set_label("T_max that a pose needs [N]")
     return figure
 
 
-@styled
+@style.styled
 def draw_fig6(numbers: Workspaces) -> Figure:
     """The single loop's workspace, and both robots' shares over the largest tension.
 
@@ -66,34 +55,35 @@ def draw_fig6(numbers: Workspaces) -> Figure:
     Returns:
         The figure: a map and a diagram.
     """
-    figure = new_figure(height=3.4)
+    figure = style.new_figure(height=3.4)
     map_, curve = figure.subplots(1, 2)
     low, high = (
         1e3 * np.asarray(corner) for corner in (numbers.loop.lowest, numbers.loop.highest)
     )
-    map_.add_patch(Rectangle(tuple(low), *(high - low), color=BLUE, alpha=0.35))
+    map_.add_patch(Rectangle(tuple(low), *(high - low), color=style.BLUE, alpha=0.35))
     _frame(map_, numbers)
-    map_.set_title(f"Eq. (1): {100 * numbers.loop_share:.1f} % of the frame's area")
-    map_.set_xlabel(label("xₑ", "mm"))
+    map_.set(
+        title=f"Eq. (1): {100 * numbers.loop_share:.1f} % of the frame's area", xlabel="xₑ [mm]"
+    )
     maximum = np.linspace(0, _MOST, 200)
     for cables, colour in zip(numbers.cables, _COLOURS, strict=True):
         share = [100 * cables.reachable_share(tension) for tension in maximum]
         curve.plot(maximum, share, color=colour, label=cables.name)
     curve.axhline(
-        100 * numbers.loop_reachable, color=BLACK, ls="--", label="single loop, any tension"
+        100 * numbers.loop_reachable,
+        color=style.BLACK,
+        ls="--",
+        label="single loop, any tension",
     )
-    curve.set_xlabel(label("T_max", "N"))
-    curve.set_ylabel(label("share of reachable poses", "%"))
-    legend_above(curve, columns=2)
+    curve.set(xlabel="T_max [N]", ylabel="share of reachable poses [%]")
+    style.legend_above(curve, columns=2)
     return figure
 
 
 def _frame(axes: Axes, numbers: Workspaces) -> None:
     step_x, step_y = numbers.x[0], numbers.y[0]
     size = (1e3 * (numbers.x[-1] + step_x), 1e3 * (numbers.y[-1] + step_y))
-    axes.add_patch(Rectangle((0, 0), *size, fill=False, lw=2, edgecolor=GREY))
-    axes.set_xlim(-20, size[0] + 20)
-    axes.set_ylim(-20, size[1] + 20)
-    axes.set_aspect("equal")
+    axes.add_patch(Rectangle((0, 0), *size, fill=False, lw=2, edgecolor=style.GREY))
+    axes.set(xlim=(-20, size[0] + 20), ylim=(-20, size[1] + 20), aspect="equal")
     axes.grid(visible=False)
-    axes.set_ylabel(label("yₑ", "mm"))
+    axes.set_ylabel("yₑ [mm]")

@@ -5,14 +5,15 @@ import math
 import numpy as np
 
 from experiments.page.page import Pictures
-from experiments.page.table import Table
+from experiments.page.table import Table, table_of
 from experiments.paper.content import Content, Section
+from experiments.paper.topics.workspaces.claims import FIG3, FIG6
 from experiments.paper.topics.workspaces.figure import draw_fig3, draw_fig6
 from experiments.paper.topics.workspaces.numbers import (
     HEIGHT,
     PRINTED,
     WIDTH,
-    Workspaces,
+    Cables,
     workspaces,
 )
 from scdpr_jax.robot.prototype import consistent
@@ -28,18 +29,15 @@ def _inside(width: float, height: float) -> float:
     return (1 - width / float(frame.width)) * (1 - height / float(frame.height))
 
 
-def _needs(found: Workspaces, end_effector: str) -> tuple[tuple[str, ...], ...]:
-    return tuple(
-        (
-            end_effector,
-            "crossed" if cables.crossed else "open",
-            f"{cables.minimum:g}",
-            f"{100 * PRINTED[cables.minimum]:.2f}",
-            _tension(cables.maximum_for(PRINTED[cables.minimum])),
-            f"{100 * cables.share(math.inf):.1f}",
-        )
-        for cables in found.cables
-    )
+def _needs(end_effector: str, cables: Cables) -> dict[str, str]:
+    return {
+        "end-effector w × h [mm]": end_effector,
+        "cables": "crossed" if cables.crossed else "open",
+        "T_min [N]": f"{cables.minimum:g}",
+        "printed [%]": f"{100 * PRINTED[cables.minimum]:.2f}",
+        "T_max for it [N]": _tension(cables.maximum_for(PRINTED[cables.minimum])),
+        "most, any T_max [%]": f"{100 * cables.share(math.inf):.1f}",
+    }
 
 
 def fig3(picture: Pictures) -> Content:
@@ -52,40 +50,25 @@ def fig3(picture: Pictures) -> Content:
         The section.
     """
     found = workspaces()
-    table = Table(
-        "The T_max that each printed percentage would need",
-        (
-            "end-effector w × h [mm]",
-            "cables",
-            "T_min [N]",
-            "printed [%]",
-            "T_max for it [N]",
-            "most, any T_max [%]",
-        ),
-        (
-            *_needs(found, "281 × 287, 2.1"),
-            *_needs(workspaces(0.287, 0.281), "287 × 281, Table 1"),
-        ),
-    )
+    sizes = {"281 × 287, 2.1": found, "287 × 281, Table 1": workspaces(0.287, 0.281)}
     return Content(
-        (
-            "The paper prints two percentages and no T_max. No single T_max gives both: open "
-            "cables reach 41.56 % at 287 N and never 70.73 %; crossed ones need 93 N and 151 "
-            "N.",
-            "Crossed cables reach 70.73 % only with poses at which the end-effector sticks "
-            f"out of the frame: only {100 * _inside(WIDTH, HEIGHT):.1f} % of the frame's area "
-            "keep it inside.",
-            "Poses are held upright against 2 kg and gravity with every cable between T_min "
-            "and T_max (wrench feasibility); shares are of the frame's area, as printed.",
+        "The paper prints two percentages and no T_max. No single T_max gives both: open "
+        "cables reach 41.56 % at 287 N and never 70.73 %; crossed ones need 93 N and 151 "
+        "N.",
+        "Crossed cables reach 70.73 % only with poses at which the end-effector sticks "
+        f"out of the frame: only {100 * _inside(WIDTH, HEIGHT):.1f} % of the frame's area "
+        "keep it inside.",
+        "Poses are held upright against 2 kg and gravity with every cable between T_min "
+        "and T_max (wrench feasibility); shares are of the frame's area, as printed.",
+        picture(
+            draw_fig3(found),
+            "Static workspace of the conventional robot: the largest tension that a pose "
+            "needs at least, for open and crossed cables and both least tensions.",
         ),
-        (
-            picture(
-                draw_fig3(found),
-                "Static workspace of the conventional robot: the largest tension that a pose "
-                "needs at least, for open and crossed cables and both least tensions.",
-            ),
+        table_of(
+            "The T_max that each printed percentage would need",
+            (_needs(size, cables) for size, each in sizes.items() for cables in each.cables),
         ),
-        (table,),
     )
 
 
@@ -110,33 +93,27 @@ def fig6(picture: Pictures) -> Content:
         for cables in found.cables
     )
     return Content(
-        (
-            f"Expression (1) with Table 1 is {100 * found.loop_share:.1f} % of the frame's "
-            "area, less than the conventional robot's printed 70.73 %: measured by the frame "
-            "there is no gain.",
-            "Measured by the poses whose end-effector lies inside the frame the single loop "
-            "has all of them at any tension, and that is the gain; the conventional robot has "
-            "what its T_max allows.",
+        f"Expression (1) with Table 1 is {100 * found.loop_share:.1f} % of the frame's "
+        "area, less than the conventional robot's printed 70.73 %: measured by the frame "
+        "there is no gain.",
+        "Measured by the poses whose end-effector lies inside the frame the single loop "
+        "has all of them at any tension, and that is the gain; the conventional robot has "
+        "what its T_max allows.",
+        picture(
+            draw_fig6(found),
+            "Left: the single loop's workspace in the frame. Right: share of the "
+            "geometrically reachable poses over the largest tension.",
         ),
-        (
-            picture(
-                draw_fig6(found),
-                "Left: the single loop's workspace in the frame. Right: share of the "
-                "geometrically reachable poses over the largest tension.",
-            ),
-        ),
-        (
-            Table(
-                "Share of the reachable poses [%]",
-                ("robot", "T_max 100 N", "200 N", "300 N", "without limit"),
-                (*rows, ("single loop", *(f"{100 * found.loop_reachable:.1f}",) * 4)),
-            ),
+        Table(
+            "Share of the reachable poses [%]",
+            ("robot", "T_max 100 N", "200 N", "300 N", "without limit"),
+            (*rows, ("single loop", *(f"{100 * found.loop_reachable:.1f}",) * 4)),
         ),
     )
 
 
 SECTIONS = (
-    Section("fig3", "Figure 3: workspace of the conventional robot", 4.0, fig3),
-    Section("fig6", "Figure 6: workspace of the single loop", 1.0, fig6),
+    Section("fig3", "Figure 3: workspace of the conventional robot", 4.0, fig3, FIG3),
+    Section("fig6", "Figure 6: workspace of the single loop", 1.0, fig6, FIG6),
 )
 """Sections of this module."""
