@@ -77,7 +77,7 @@ def _outside(run: Run, campaign: Campaign) -> Iterator[Note]:
 
 
 def _placement(run: Run, campaign: Campaign) -> Iterator[Note]:
-    position = pose(run.camera.position)
+    position = run.camera.pose
     seen = position[~np.isnan(position).any(axis=1)]
     if run.initial is None or not seen.size:
         return
@@ -96,7 +96,7 @@ def _early_motion(run: Run, campaign: Campaign) -> Iterator[Note]:
     start = excitation_start(run)
     if start is None or run.clock_offset is None:
         return
-    still = pose(run.camera.position[run.camera.time - run.clock_offset <= start])
+    still = run.camera.pose[run.camera.time - run.clock_offset <= start]
     seen = [column[~np.isnan(column)] for column in still.T]
     travel = max((float(np.ptp(column)) for column in seen if column.size), default=0.0)
     if travel > 8 * campaign.sensors.camera_position_sigma:
