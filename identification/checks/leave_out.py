@@ -12,10 +12,7 @@ from scdpr_jax.numerics.progress import SILENT, Progress
 
 
 def without_each_run(
-    campaign: Campaign,
-    estimate: Estimate,
-    *,
-    progress: Progress = SILENT,
+    campaign: Campaign, estimate: Estimate, *, progress: Progress = SILENT
 ) -> Estimate:
     """The estimate with its runs left out by fits instead of by a Gauss-Newton step each.
 

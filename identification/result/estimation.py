@@ -34,10 +34,7 @@ CORRECTIONS = 2
 
 
 def estimate(
-    campaign: Campaign,
-    options: FitOptions | None = None,
-    *,
-    progress: Progress = SILENT,
+    campaign: Campaign, options: FitOptions | None = None, *, progress: Progress = SILENT
 ) -> Estimate:
     """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
 
@@ -64,12 +61,8 @@ def estimate(
         # Compiling leaves the interpreter free: the rest comes along meanwhile.
         aside.submit(problem.compile)
         begun = starts(problem, progress.part(0.0, 0.3))
-    return solve(
-        problem,
-        begun.points,
-        valleys=begun.valleys,
-        progress=progress.part(0.3, 1.0),
-    )
+    rest = progress.part(0.3, 1.0)
+    return solve(problem, begun.points, valleys=begun.valleys, progress=rest)
 
 
 def solve(
