@@ -15,7 +15,7 @@ from experiments.studies.findings.tuning import worst_margins_sentence
 from tuning.codesign import CoDesign, Designed
 from tuning.codesign.recommendation import DESIGNED
 from tuning.loop.admissible import PEAK_SENSITIVITY, PHASE_MARGIN
-from tuning.loop.worst_margins import margin_map
+from tuning.loop.worst_margins import MarginMap
 
 _METHOD = (
     "Every model is a horizontal leg from rest to a pose of the grid, by a robot drawn from "
@@ -165,11 +165,12 @@ def show(console: Console, found: CoDesign) -> None:
     print_lines(console, sentences(found))
 
 
-def codesign_page(found: CoDesign, *, name: str) -> str:
+def codesign_page(found: CoDesign, margins: MarginMap, *, name: str) -> str:
     """A co-design as a page that needs nothing else.
 
     Args:
         found: The co-design.
+        margins: Margins over the workspace with the recommended gains.
         name: Where the robot's parameters were read from.
 
     Returns:
@@ -196,7 +197,7 @@ def codesign_page(found: CoDesign, *, name: str) -> str:
                 "is better.",
             ),
             picture(
-                margin_curves(margin_map(found.robots, found.chosen.law.controller)),
+                margin_curves(margins),
                 "Margins of the flexible robot's loops with the recommended gains over the "
                 "height of the end-effector. Dotted: 30° and 2, which the design keeps.",
             ),

@@ -43,6 +43,7 @@ def codesign(
     from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import write_whole
     from tuning.codesign import Scope, write_codesign
+    from tuning.loop.worst_margins import margin_map
 
     fitted = read_parameters(parameters)
     nominal = tuple(parse_quantity(text, unit="N", name="--settings") for text in settings)
@@ -59,7 +60,8 @@ def codesign(
         found = design(fitted, scope, progress=progress)
     result, report = out / "codesign.json", out / "codesign.html"
     write_codesign(result, found)
-    write_whole(report, codesign_report.codesign_page(found, name=str(parameters)))
+    margins = margin_map(found.robots, found.chosen.law.controller)
+    write_whole(report, codesign_report.codesign_page(found, margins, name=str(parameters)))
     codesign_report.show(OUT, found)
     wrote(result, report)
     suggest(f"open {report}")

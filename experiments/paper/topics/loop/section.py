@@ -16,7 +16,6 @@ from experiments.paper.topics.loop.numbers import (
     printed,
     step_response,
 )
-from tuning.loop.plant import published_plant
 
 
 def eq24(picture: Pictures) -> Content:
@@ -79,7 +78,7 @@ def eq25(picture: Pictures) -> Content:
         "The printed pair crosses over a little higher, with a little more phase; at 1 kHz "
         "with one sample of delay either keeps over 55° of phase.",
         picture(
-            draw_bode(designs, plant=published_plant()),
+            draw_bode(designs),
             "The drive's open loop with the required and with the printed controller.",
         ),
         table_of("The controllers and their margins", rows),
