@@ -62,7 +62,7 @@ def write_calibration(
     """
     mapped = findings.frequencies is not None
     parameters = out / "parameters.json"
-    write_parameters(parameters, findings.estimate)
+    write_parameters(parameters, findings.estimate, accepted=findings.campaign.accepted)
     if mapped:
         write_frequencies(findings.frequencies, out / "frequencies.csv")
     tuning = write_tuned(out, findings.tuning.tuning)

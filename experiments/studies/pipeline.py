@@ -118,6 +118,7 @@ def _notes(campaign: Campaign, fitted: Estimate) -> list[str]:
         f"Left out: {name}. " + " ".join(str(fault) for fault in faults)
         for name, faults in campaign.skipped
     ]
+    notes += campaign.accepted
     if fitted.fit.ended == "unfinished":
         notes.append(
             "The fit used up its iterations before it met its stopping rule: its standard "

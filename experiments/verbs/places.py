@@ -1,9 +1,12 @@
 """Where results may be written, and where the end-effector may go."""
 
 import pathlib
+from typing import TYPE_CHECKING
 
 from identification.campaign.quantities import parse_quantity
-from scdpr_jax.robot.parameters import Robot
+
+if TYPE_CHECKING:
+    from scdpr_jax.robot.parameters import Robot
 
 
 def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
@@ -23,7 +26,7 @@ def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
         )
 
 
-def parse_position(text: str, *, name: str, robot: Robot) -> tuple[float, float]:
+def parse_position(text: str, *, name: str, robot: "Robot") -> tuple[float, float]:
     """A position of the end-effector inside the frame.
 
     Args:

@@ -16,8 +16,8 @@ from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.sensors import Camera, Encoder, frame_times, observe
 from scdpr_jax.engines.closed_loop import pulley_angles, sampled_loop
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate, step
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import State
 
 PERIOD = 1e-3
 """Sample period of the rig's controller [s], section 4.1."""
@@ -97,7 +97,7 @@ def closed_loop(
         The run.
     """
     run = sampled_loop(
-        lambda state, held: _fine(robot, state, held),
+        _fine,
         robot,
         start,
         published_pd(),

@@ -94,8 +94,8 @@ def estimate_drive_axis(
         delay_samples: Samples by which the voltage acts late. The default suits a log of
             what was applied. It isn't estimated: in the EMPS axis's record one sample more
             makes the best open loop 0.7 % worse, in the published parameters' 0.1 %.
-        starts: Starts of the search in the order of `names`, instead of those found from
-            the log.
+        starts: Starts of the search in the order of `names`, instead of those that the log
+            gives.
         names: `PARAMETER_NAMES`, or `EXTENDED_NAMES` for viscous friction of its own in
             each direction.
         max_iterations: Largest number of steps along the gradient.
@@ -109,28 +109,16 @@ def estimate_drive_axis(
     """
     _check(log, gain=gain, delay_samples=delay_samples)
     force = gain * delayed(log.voltage, delay_samples)[:-1]
-    steps = jnp.diff(log.time)
+    loop = _OpenLoop(force, jnp.diff(log.time), log.position)
     guesses = _starts(log, gain=gain) if starts is None else np.asarray(starts, dtype=float)
-
     guesses = np.pad(guesses, [(0, 0), (0, len(names) - guesses.shape[1])])
-
-    def evaluate(
-        thetas: Float[np.ndarray, "starts n"],
-    ) -> tuple[Float[np.ndarray, "starts samples"], Float[np.ndarray, "starts samples n"]]:
-        residuals, jacobian = _residuals_and_jacobian(
-            _filled(thetas), force, steps, log.position
-        )
-        count = len(thetas)
-        return np.asarray(residuals)[:count], np.asarray(jacobian)[:count]
-
-    def costs(thetas: Float[np.ndarray, "points n"]) -> Float[np.ndarray, " points"]:
-        return np.asarray(_costs(_filled(thetas), force, steps, log.position))[: len(thetas)]
-
     lower = _lower(names)
     guesses = np.column_stack([np.log(guesses[:, 0]), guesses[:, 1:]])
-    ends = _minima(evaluate, guesses, lower=lower, max_iterations=max_iterations)
+    ends = _minima(loop.linearised, guesses, lower=lower, max_iterations=max_iterations)
     reached = np.array([end.normal.cost for end in ends])
-    polished = polish(evaluate, costs, ends[int(np.argmin(reached))].point, lower=lower)
+    polished = polish(
+        loop.linearised, loop.costs, ends[int(np.argmin(reached))].point, lower=lower
+    )
     _check_fit(log, polished, gain=gain)
     return _estimate(
         log,
@@ -227,17 +215,17 @@ def delayed(voltage: Float[Array, " samples"], samples: int) -> Float[Array, " s
 def _starts(log: AxisLog, *, gain: float) -> Float[np.ndarray, "starts 4"]:
     """Inverse-dynamics fits, and the median one with its mass threefold and a third."""
     fits = [inverse_dynamics(log, gain=gain, half_window=half) for half in _HALF_WINDOWS]
-    found = [fit for fit in fits if fit is not None]
-    if not found:
+    guesses = [fit for fit in fits if fit is not None]
+    if not guesses:
         raise ValueError(
             f"no start found: with a gain of {gain} N/V no positive mass balances the "
             "voltage, expected acceleration along the force. Check the gain's sign, and "
             "that the record has accelerations well above the position's resolution."
         )
     # Twice as heavy or as light: should smoothing have biased all of them the same way.
-    middle = np.median(found, axis=0)
+    middle = np.median(guesses, axis=0)
     spread = [middle * np.array([factor, 1.0, 1.0, 1.0]) for factor in (0.5, 2.0)]
-    return np.array(found + spread)
+    return np.array(guesses + spread)
 
 
 def _lower(names: tuple[str, ...]) -> Float[np.ndarray, " parameters"]:
@@ -256,17 +244,37 @@ def _filled(thetas: Float[np.ndarray, "points n"]) -> Float[Array, "batch n"]:
     return jnp.asarray(np.concatenate([thetas, np.repeat(thetas[-1:], missing, axis=0)]))
 
 
-@jax.jit
-def _residuals_and_jacobian(
-    thetas: Float[Array, "starts n"],
-    force: Float[Array, " steps"],
-    steps: Float[Array, " steps"],
-    position: Float[Array, " samples"],
-) -> tuple[Float[Array, "starts samples"], Float[Array, "starts samples n"]]:
-    """Simulated minus measured positions [m] of a batch, with forward-mode derivatives."""
+class _OpenLoop(eqx.Module):
+    """A record that is simulated from its first sample on, for any number of parameters."""
 
+    force: Float[Array, " steps"]
+    steps: Float[Array, " steps"]
+    position: Float[Array, " samples"]
+
+    def residuals(self, theta: Float[Array, " n"]) -> Float[Array, " samples"]:
+        """Simulated minus measured positions [m]."""
+        axis, start = _from_vector(theta), self.position[0]
+        return axis_positions(axis, self.force, steps=self.steps, start=start) - self.position
+
+    def linearised(
+        self, thetas: Float[np.ndarray, "points n"]
+    ) -> tuple[Float[np.ndarray, "points samples"], Float[np.ndarray, "points samples n"]]:
+        """Residuals and their derivatives at some points."""
+        both = _linearised(self, _filled(thetas))
+        residuals, jacobian = (np.asarray(part)[: len(thetas)] for part in both)
+        return residuals, jacobian
+
+    def costs(self, thetas: Float[np.ndarray, "points n"]) -> Float[np.ndarray, " points"]:
+        """Half the sums of squared residuals at some points [m²]."""
+        return np.asarray(_costs(self, _filled(thetas)))[: len(thetas)]
+
+
+@jax.jit
+def _linearised(
+    loop: _OpenLoop, thetas: Float[Array, "batch n"]
+) -> tuple[Float[Array, "batch samples"], Float[Array, "batch samples n"]]:
     def residuals(theta: Float[Array, " n"]) -> tuple[Array, Array]:
-        values = _residuals(theta, force, steps, position)
+        values = loop.residuals(theta)
         return values, values
 
     jacobian, values = jax.vmap(jax.jacfwd(residuals, has_aux=True))(thetas)
@@ -274,26 +282,8 @@ def _residuals_and_jacobian(
 
 
 @jax.jit
-def _costs(
-    thetas: Float[Array, "points n"],
-    force: Float[Array, " steps"],
-    steps: Float[Array, " steps"],
-    position: Float[Array, " samples"],
-) -> Float[Array, " points"]:
-    """Half the sum of squared residuals [m²] of a batch."""
-    values = jax.vmap(lambda theta: _residuals(theta, force, steps, position))(thetas)
-    return 0.5 * jnp.sum(jnp.square(values), axis=1)
-
-
-def _residuals(
-    theta: Float[Array, " n"],
-    force: Float[Array, " steps"],
-    steps: Float[Array, " steps"],
-    position: Float[Array, " samples"],
-) -> Float[Array, " samples"]:
-    """Simulated minus measured positions [m]."""
-    simulated = axis_positions(_from_vector(theta), force, steps=steps, start=position[0])
-    return simulated - position
+def _costs(loop: _OpenLoop, thetas: Float[Array, "batch n"]) -> Float[Array, " batch"]:
+    return 0.5 * jnp.sum(jnp.square(jax.vmap(loop.residuals)(thetas)), axis=1)
 
 
 def _estimate(
@@ -358,7 +348,7 @@ def _status(
     scales[3] = max(scales[3], force)
     scales[4:] = np.maximum(scales[4:], values[1])
 
-    def one(value: float, error: float, scale: float, bounded: bool) -> str:
+    def status(value: float, error: float, scale: float, bounded: bool) -> str:
         if bounded and value <= 0:
             return "at_bound"
         if error > _UNIDENTIFIABLE * scale:
@@ -367,4 +357,4 @@ def _status(
 
     bounded = np.isfinite(_lower(names))
     rows = zip(values, sigma, scales, bounded.tolist(), strict=True)
-    return tuple(one(float(v), float(e), float(s), b) for v, e, s, b in rows)
+    return tuple(status(float(v), float(e), float(s), b) for v, e, s, b in rows)

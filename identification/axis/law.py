@@ -4,7 +4,6 @@ import dataclasses
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
 from identification.axis.drive_axis import (
     EXTENDED_NAMES,
@@ -14,7 +13,7 @@ from identification.axis.drive_axis import (
     estimate_drive_axis,
 )
 from identification.axis.log import AxisLog
-from identification.axis.motion import AxisParameters, axis_positions
+from identification.axis.motion import axis_positions
 
 FITTED_SHARE = 0.6
 """Share of the record that both laws are fitted to, before they predict the rest [1]."""
@@ -65,35 +64,16 @@ def compare_axis_laws(
     part = AxisLog(log.time[:kept], log.voltage[:kept], log.position[:kept], log.position_unit)
     force = gain * delayed(log.voltage, delay_samples)[:-1]
 
-    def ahead(names: tuple[str, ...]) -> float:
-        fitted = estimate_drive_axis(
-            part,
-            gain=gain,
-            delay_samples=delay_samples,
-            starts=_start(usual, names),
-            names=names,
+    def fitted(record: AxisLog, names: tuple[str, ...]) -> DriveAxisEstimate:
+        start = np.array([[float(getattr(usual.parameters, name)) for name in names]])
+        return estimate_drive_axis(
+            record, gain=gain, delay_samples=delay_samples, starts=start, names=names
         )
-        return _error(fitted.parameters, log, force, slice(kept, None))
 
-    extended = estimate_drive_axis(
-        log,
-        gain=gain,
-        delay_samples=delay_samples,
-        starts=_start(usual, EXTENDED_NAMES),
-        names=EXTENDED_NAMES,
-    )
+    def ahead(names: tuple[str, ...]) -> float:
+        axis, steps = fitted(part, names).parameters, jnp.diff(log.time)
+        simulated = axis_positions(axis, force, steps=steps, start=log.position[0])
+        return float(jnp.sqrt(jnp.mean(jnp.square(simulated - log.position)[kept:])))
+
+    extended = fitted(log, EXTENDED_NAMES)
     return AxisLaws(ahead(PARAMETER_NAMES), ahead(EXTENDED_NAMES), extended)
-
-
-def _start(usual: DriveAxisEstimate, names: tuple[str, ...]) -> Float[np.ndarray, "1 n"]:
-    return np.array([[float(getattr(usual.parameters, name)) for name in names]])
-
-
-def _error(
-    parameters: AxisParameters, log: AxisLog, force: Float[Array, " steps"], rows: slice
-) -> float:
-    """Open-loop error of some rows of a log, simulated from its first sample at rest [m]."""
-    simulated = axis_positions(
-        parameters, force, steps=jnp.diff(log.time), start=log.position[0]
-    )
-    return float(jnp.sqrt(jnp.mean(jnp.square(simulated - log.position)[rows])))

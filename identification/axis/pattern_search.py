@@ -1,7 +1,7 @@
 """The last part of the way to a minimum that lies on a kink: search without a gradient."""
 
+import dataclasses
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -18,7 +18,8 @@ _REFRESH = 10  # steps between looks at the Jacobian: the metric changes little 
 _SEED = 0  # the directions are random, the result is not
 
 
-class Polished(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Polished:
     """A minimum that no step in any direction improves noticeably."""
 
     parameters: Float[np.ndarray, " parameters"]
@@ -56,7 +57,7 @@ def polish(
         max_iterations: Largest number of sets of directions.
 
     Returns:
-        The minimum found.
+        The minimum.
 
     Reference:
         C. Audet, J. Dennis, "Mesh adaptive direct search algorithms for constrained
@@ -71,10 +72,10 @@ def polish(
         basis, _ = np.linalg.qr(random.normal(size=(count, count)))
         steps = np.concatenate([basis, -basis]) @ metric.T
         trials = np.maximum(x + radius * np.sqrt(2 * cost) * steps, lower)
-        found = costs(trials)
-        best = int(np.argmin(np.where(np.isfinite(found), found, np.inf)))
-        if found[best] < cost:
-            x, cost, radius = trials[best], float(found[best]), min(2 * radius, _WIDEST)
+        merits = costs(trials)
+        best = int(np.argmin(np.where(np.isfinite(merits), merits, np.inf)))
+        if merits[best] < cost:
+            x, cost, radius = trials[best], float(merits[best]), min(2 * radius, _WIDEST)
         else:
             radius /= 2
         iterations += 1

@@ -1,13 +1,13 @@
 """Logs of LabVIEW (TDMS) and MATLAB (MAT) as drive streams."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
-from identification.campaign.faults import CampaignError, Fault
+from identification.campaign.faults import CampaignError, Fault, listed
 from identification.campaign.streams import drive_stream
 from identification.campaign.tables.columns import drive_columns
 from identification.campaign.tables.header import Header, read_header
@@ -42,15 +42,19 @@ def import_drive_stream(
             ".mat. Export it to CSV, with headers like `voltage_1 [V]`."
         )
     numbers = readers[path.suffix.lower()](path, columns)
-    header, faults = read_header(tuple(numbers), drive_columns(counts_per_rev), file=path.name)
-    faults = faults or _number_faults(numbers, header, path.name)
-    if faults:
-        raise CampaignError(path, faults)
+    header, faults = read_header(tuple(numbers), drive_columns(counts_per_rev))
+    _refuse(path, faults or _number_faults(numbers, header))
     cells = tuple(numbers.values())
     return drive_stream(
-        {name: header.scales[place](cells[place]) for place, name in header.names.items()},
+        {column.name: header.scale(k)(cells[k]) for k, column in header.columns.items()},
         {header.cells[place]: cells[place] for place in header.extra},
     )
+
+
+def _refuse(path: Path, faults: Sequence[Fault]) -> None:
+    """Raise what is wrong with a file, if anything is."""
+    if faults:
+        raise CampaignError(path, listed(faults, file=path.name))
 
 
 def _read_tdms(
@@ -102,10 +106,9 @@ def _flat(contents: Mapping[str, Any], prefix: str) -> dict[str, Any]:
 
 
 def _chosen(there: Mapping[str, Any], columns: Mapping[str, str], path: Path) -> dict[str, Any]:
-    faults = tuple(
+    faults = [
         Fault(
             what="no such channel",
-            file=path.name,
             column=header,
             got=repr(name),
             expected=f"one of {', '.join(there) or 'none: the file is empty'}",
@@ -113,9 +116,8 @@ def _chosen(there: Mapping[str, Any], columns: Mapping[str, str], path: Path) ->
         )
         for header, name in columns.items()
         if name not in there
-    )
-    if faults:
-        raise CampaignError(path, faults)
+    ]
+    _refuse(path, faults)
     return {header: there[name] for header, name in columns.items()}
 
 
@@ -124,57 +126,49 @@ def _real(numbers: Any, header: str, path: Path) -> Float64[np.ndarray, " rows"]
     if array.dtype.kind not in "fiub" or array.ndim != 1:
         fault = Fault(
             what="not a column of numbers",
-            file=path.name,
             column=header,
             got=f"shape {array.shape} of type {array.dtype}",
             expected="real numbers in one row or column",
             remedy="Name another channel in `columns`.",
         )
-        raise CampaignError(path, (fault,))
+        _refuse(path, [fault])
     return array.astype(np.float64)
 
 
 def _number_faults(
-    numbers: Mapping[str, Float64[np.ndarray, " _"]], header: Header, file: str
-) -> tuple[Fault, ...]:
+    numbers: Mapping[str, Float64[np.ndarray, " _"]], header: Header
+) -> list[Fault]:
     lengths = {name: len(column) for name, column in numbers.items()}
     rows = next(iter(lengths.values()))
     if rows < 2 or len(set(lengths.values())) > 1:
         fault = Fault(
             what="channels of different lengths" if rows >= 2 else "too few samples",
-            file=file,
             got=", ".join(f"{name}: {length}" for name, length in lengths.items()),
             expected="at least two samples, as many in every channel",
             remedy="Log all channels in one loop, or resample them.",
         )
-        return (fault,)
-    return tuple(
-        _first_bad(bad, column, header.cells[place], file)
-        for place, name in header.names.items()
-        for column in [numbers[header.cells[place]]]
-        for bad in [_bad(column, increasing=name == "t")]
-        if bad.any()
-    )
-
-
-def _bad(column: Float64[np.ndarray, " rows"], *, increasing: bool) -> np.ndarray:
-    bad = ~np.isfinite(column)
-    if increasing:
-        bad[1:] |= ~(np.diff(column) > 0)
-    return bad
+        return [fault]
+    faults = []
+    for place, column in header.columns.items():
+        channel = numbers[header.cells[place]]
+        bad = ~np.isfinite(channel)
+        if column.name == "t":
+            bad[1:] |= ~(np.diff(channel) > 0)
+        if bad.any():
+            faults.append(_first_bad(bad, channel, header.cells[place]))
+    return faults
 
 
 def _first_bad(
-    bad: np.ndarray, column: Float64[np.ndarray, " rows"], header: str, file: str
+    bad: Bool[np.ndarray, " rows"], channel: Float64[np.ndarray, " rows"], header: str
 ) -> Fault:
     sample = int(np.argmax(bad))
-    finite = bool(np.isfinite(column[sample]))
+    finite = bool(np.isfinite(channel[sample]))
     return Fault(
         what="time doesn't increase" if finite else "not a finite number",
-        file=file,
         row=sample + 1,
         column=header,
-        got=f"{column[sample]:.17g}, the first of {int(bad.sum())}",
+        got=f"{channel[sample]:.17g}, the first of {int(bad.sum())}",
         expected="a later time in every row" if finite else "a finite number",
         remedy="Cut the log before it, or log that channel again.",
     )

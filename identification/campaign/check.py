@@ -1,6 +1,7 @@
 """The log doctor: everything that is wrong with a campaign, and what is worth knowing."""
 
 import dataclasses
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from identification.campaign.faults import Fault
@@ -8,8 +9,9 @@ from identification.campaign.notes.camera import CAMERA_OBSERVATIONS
 from identification.campaign.notes.drive import DRIVE_OBSERVATIONS
 from identification.campaign.notes.note import Note
 from identification.campaign.read import RunReading, survey
+from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
 from identification.campaign.types import Campaign, Run
-from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.stated.units import si
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -32,7 +34,7 @@ class RunSummary:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Check:
-    """What the log doctor found."""
+    """What is wrong with a campaign and what is worth knowing of it."""
 
     path: Path
     """The campaign's folder."""
@@ -42,6 +44,8 @@ class Check:
     """What is worth knowing of the runs that can be read."""
     runs: tuple[RunSummary, ...]
     """Every run."""
+    campaign: Campaign | None = None
+    """The campaign with the good runs, None if there is none."""
 
     @property
     def passed(self) -> bool:
@@ -66,6 +70,7 @@ def check_campaign(path: str | Path) -> Check:
         faults=reading.all_faults,
         notes=notes,
         runs=tuple(_summary(run) for run in reading.runs),
+        campaign=campaign if campaign is not None and campaign.runs else None,
     )
 
 
@@ -78,14 +83,31 @@ def campaign_notes(campaign: Campaign) -> tuple[Note, ...]:
     Returns:
         The notes, run by run; what is the same in several files is told once.
     """
-    files: dict[tuple[str, str, str], list[str]] = {}
+    files: dict[Note, list[str]] = {}
     for run in campaign.runs:
-        for observe in (*DRIVE_OBSERVATIONS, *CAMERA_OBSERVATIONS):
-            for note in observe(run, campaign):
-                files.setdefault((note.what, note.cause, note.remedy), []).append(note.file)
+        for file, note in _run_notes(run, campaign):
+            files.setdefault(note, []).append(f"{run.name}/{file}".rstrip("/"))
     return tuple(
-        Note(file=_together(names), what=what, cause=cause, remedy=remedy)
-        for (what, cause, remedy), names in files.items()
+        dataclasses.replace(note, file=_together(names)) for note, names in files.items()
+    )
+
+
+def _run_notes(run: Run, campaign: Campaign) -> Iterator[tuple[str, Note]]:
+    """A run's notes with the files that they are about."""
+    for file, stream in ((DRIVE_FILE, run.drive), (CAMERA_FILE, run.camera)):
+        if stream is not None and stream.extra:
+            yield file, _extra_columns(stream.extra)
+    of_camera = () if run.camera is None else CAMERA_OBSERVATIONS
+    for file, observe in (*DRIVE_OBSERVATIONS, *of_camera):
+        for note in observe(run, campaign):
+            yield file, note
+
+
+def _extra_columns(headers: Iterable[str]) -> Note:
+    return Note(
+        what=f"columns that are kept and ignored: {', '.join(headers)}",
+        cause="The format has no column of these names.",
+        remedy="Nothing to do, unless one of them is a misspelt column of the format.",
     )
 
 
@@ -94,9 +116,9 @@ def _together(files: list[str]) -> str:
 
 
 def _summary(reading: RunReading) -> RunSummary:
-    if reading.run is None:
+    run = reading.run
+    if run is None:
         return RunSummary(name=reading.name)
-    run: Run = reading.run
     return RunSummary(
         name=run.name,
         kind=run.kind,

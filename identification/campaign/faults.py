@@ -1,6 +1,7 @@
 """Faults of a campaign: data while it is read, one error when it is asked for."""
 
 import dataclasses
+import itertools
 from collections.abc import Iterable
 
 _LISTED = 10
@@ -13,8 +14,9 @@ class Fault:
 
     what: str
     """What is wrong."""
-    file: str
-    """The file, relative to the campaign's folder; the folder itself if it is at fault."""
+    file: str = ""
+    """The file, relative to the campaign's folder; the folder itself if it is at fault. Whoever
+    reads the file as a whole fills it in, see `listed`."""
     row: int | None = None
     """Line of the file as an editor counts it, from 1."""
     column: str = ""
@@ -68,15 +70,11 @@ def listed(faults: Iterable[Fault], *, file: str) -> tuple[Fault, ...]:
         file: The file, relative to the campaign's folder.
 
     Returns:
-        At most ten faults, and "and N more" where there are more.
+        At most ten faults, and "and N more" where there are more, all of that file.
     """
-    first: list[Fault] = []
-    more = 0
-    for fault in faults:
-        if len(first) < _LISTED:
-            first.append(fault)
-        else:
-            more += 1
+    rest = iter(faults)
+    first = [dataclasses.replace(fault, file=file) for fault in itertools.islice(rest, _LISTED)]
+    more = sum(1 for _ in rest)
     if more:
         remedy = "Mend those above and check again: they often have one cause."
         first.append(Fault(what=f"and {more} more in this file", file=file, remedy=remedy))

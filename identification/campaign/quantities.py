@@ -1,7 +1,8 @@
 """Quantities as people write them: a number with its unit, to SI and back.
 
-Units are known to `pint`, which is loaded at the first quantity. Numbers are scaled in
-decimal arithmetic, so that "26 mm" is the double nearest to 0.026 and not a neighbour.
+Units are known to `pint`, which takes half a second to load: what campaigns are mostly
+written in is in a table of its own. Numbers are scaled in decimal arithmetic, so that
+"26 mm" is the double nearest to 0.026 and not a neighbour.
 """
 
 import functools
@@ -22,6 +23,20 @@ _NUMBER = re.compile(
 # (sums, numbers, brackets) is no unit, and not all of it fails with pint's own errors.
 _POWER = r"(?:[A-Za-zµμΩÅ]+|[%°])(?:(?:\^|\*\*)[+-]?\d|⁻?[¹²³⁴⁵⁶⁷⁸⁹])?"
 _PRODUCT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[·⋅*/]\s*|\s+){_POWER})*")
+
+
+EVERYDAY: dict[tuple[str, str], Decimal] = {
+    ("mm", "m"): Decimal("1e-3"),
+    ("cm", "m"): Decimal("1e-2"),
+    ("ms", "s"): Decimal("1e-3"),
+    ("us", "s"): Decimal("1e-6"),
+    ("mrad", "rad"): Decimal("1e-3"),
+    ("mV", "V"): Decimal("1e-3"),
+    ("kN", "N"): Decimal("1e3"),
+    ("g", "kg"): Decimal("1e-3"),
+    ("%", "1"): Decimal("1e-2"),
+}
+"""Factors of the units that campaigns are mostly written in, as `pint` has them."""
 
 
 class QuantityError(ValueError):
@@ -135,6 +150,15 @@ def _registry() -> "pint.UnitRegistry":
 @functools.cache
 def _conversion(written: str, unit: str) -> Decimal | None:
     """Factor from a written unit to another one, None if there is none."""
+    if written == unit:
+        return Decimal(1)
+    if (written, unit) in EVERYDAY:
+        return EVERYDAY[written, unit]
+    return _pint_conversion(written, unit)
+
+
+def _pint_conversion(written: str, unit: str) -> Decimal | None:
+    """The same for any unit."""
     import pint
 
     registry = _registry()

@@ -2,7 +2,6 @@
 
 import dataclasses
 from pathlib import Path
-from typing import Any
 
 from identification.campaign.faults import CampaignError, Fault
 from identification.campaign.quantities import format_quantity
@@ -16,7 +15,6 @@ from identification.campaign.types import (
     Initial,
     Knock,
     Run,
-    Sensors,
     default_sensors,
 )
 
@@ -131,22 +129,14 @@ def _no_runs(folder: Path) -> Fault:
 
 
 def _campaign(document: CampaignDocument, folder: Path, runs: tuple[Run, ...]) -> Campaign:
+    sensors = default_sensors(document.counts_per_rev)
     return Campaign(
         name=document.name or folder.resolve().name,
         counts_per_rev=document.counts_per_rev,
-        robot=_given(document.robot),
-        sensors=_sensors(document),
+        robot=document.robot.model_dump(exclude_none=True),
+        sensors=dataclasses.replace(sensors, **document.sensors.model_dump(exclude_none=True)),
         runs=runs,
     )
-
-
-def _given(table: Any) -> dict[str, float]:
-    return {name: value for name, value in table if value is not None}
-
-
-def _sensors(document: CampaignDocument) -> Sensors:
-    default = default_sensors(document.counts_per_rev)
-    return dataclasses.replace(default, **_given(document.sensors))
 
 
 def _read_run(folder: Path, *, counts_per_rev: float | None) -> RunReading:
@@ -202,5 +192,5 @@ def _knock_faults(
         )
     else:
         return ()
-    text, _ = read_text(folder / RUN_FILE, file=fault.file)
+    text, _ = read_text(folder / RUN_FILE)
     return (dataclasses.replace(fault, row=row_of(text, fault.key.split("."))),)

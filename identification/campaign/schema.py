@@ -1,9 +1,10 @@
 """What stands in `campaign.toml` and `run.toml`, as pydantic models."""
 
+import dataclasses
 import difflib
 import math
 import typing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -20,7 +21,7 @@ from identification.campaign.faults import Fault, listed
 from identification.campaign.quantities import QuantityError, parse_quantity
 from identification.campaign.tables.document import read_document, row_of
 from identification.campaign.types import KINDS
-from scdpr_jax.robot.quantities import QUANTITIES
+from scdpr_jax.robot.stated.names import QUANTITIES
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -174,68 +175,44 @@ def read_model(
     Returns:
         What stands in it, None if there are faults; and the faults.
     """
-    document, text, fault = read_document(path, file=file)
-    if document is None:
-        return None, () if fault is None else (fault,)
+    document, text, fault = read_document(path)
+    if fault is not None:
+        return None, listed([fault], file=file)
     try:
         return model.model_validate(document), ()
     except ValidationError as error:
-        return None, listed(_faults(error, model, text, file), file=file)
+        return None, listed(_faults(error, model, text), file=file)
 
 
-def _faults(
-    error: ValidationError, model: type[BaseModel], text: str, file: str
-) -> Iterator[Fault]:
+def _faults(error: ValidationError, model: type[BaseModel], text: str) -> Iterator[Fault]:
     for problem in error.errors(include_url=False):
         path = [str(part) for part in problem["loc"]]
-        what, got, expected, remedy = _explained(problem, model, path)
-        yield Fault(
-            what=what,
-            file=file,
-            row=row_of(text, path),
-            key=".".join(path),
-            got=got,
-            expected=expected,
-            remedy=remedy,
-        )
+        fault = _explained(problem, model, path)
+        yield dataclasses.replace(fault, row=row_of(text, path), key=".".join(path))
 
 
-def _explained(
-    problem: Any, model: type[BaseModel], path: list[str]
-) -> tuple[str, str, str, str]:
-    """What is wrong, what was found, what was expected and the remedy."""
-    got, name = problem["input"], path[-1]
-    table = _table(model, path[:-1])
+def _explained(problem: Any, model: type[BaseModel], path: list[str]) -> Fault:
+    """What pydantic found, in this format's words and without its place."""
+    table, name = _tables(model)[".".join(path[:-1])], path[-1]
     if problem["type"] == "extra_forbidden":
-        known = ", ".join(table.model_fields)
-        elsewhere = None if isinstance(got, dict) else _elsewhere(model, table, name)
-        return (
-            "an unknown key",
-            repr(name),
-            f"one of {known}",
-            elsewhere or _nearest(table, name),
-        )
+        return _unknown_key(model, table, name, got=problem["input"])
     example = _example(table, name)
     if problem["type"] == "missing":
-        return "a missing key", "no such key", example, f"Add a line like {example}"
+        remedy = f"Add a line like {example}"
+        return Fault(what="a missing key", got="no such key", expected=example, remedy=remedy)
     if problem["type"] == "value_error":
         cause = problem["ctx"]["error"]
-        return cause.problem, cause.got, cause.expected, cause.remedy
+        return Fault(
+            what=cause.problem, got=cause.got, expected=cause.expected, remedy=cause.remedy
+        )
+    got = _shown(problem["input"])
     if problem["type"] == "literal_error":
-        near = difflib.get_close_matches(_shown(got), KINDS, n=1)
+        near = difflib.get_close_matches(got, KINDS, n=1)
         remedy = f'Is it "{near[0]}"?' if near else '"free" takes what fits no other kind.'
-        return "an unknown kind", _shown(got), f"one of {', '.join(KINDS)}", remedy
+        kinds = f"one of {', '.join(KINDS)}"
+        return Fault(what="an unknown kind", got=got, expected=kinds, remedy=remedy)
     what = problem["msg"][0].lower() + problem["msg"][1:]
-    return what, _shown(got), example, f"Write it like {example}"
-
-
-def _table(model: type[BaseModel], path: Sequence[str]) -> type[BaseModel]:
-    """The model of a table inside a document."""
-    for name in path:
-        annotation = model.model_fields[name].annotation
-        candidates = (annotation, *typing.get_args(annotation))
-        model = next(c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel))
-    return model
+    return Fault(what=what, got=got, expected=example, remedy=f"Write it like {example}")
 
 
 def _example(table: type[BaseModel], name: str) -> str:
@@ -245,23 +222,26 @@ def _example(table: type[BaseModel], name: str) -> str:
     return f"{name} = {examples[0]}" if "(" in examples[0] else f'{name} = "{examples[0]}"'
 
 
-def _elsewhere(model: type[BaseModel], table: type[BaseModel], name: str) -> str | None:
-    """The remedy for a key that stands in the wrong table."""
-    for other, heading in _tables(model):
-        if other is not table and name in other.model_fields:
-            return f"It belongs {heading}."
-    return None
-
-
-def _nearest(table: type[BaseModel], name: str) -> str:
-    """The remedy for a key that no table has."""
+def _unknown_key(
+    model: type[BaseModel], table: type[BaseModel], name: str, *, got: object
+) -> Fault:
+    """The fault of a key that its table doesn't have: it belongs elsewhere, or is misspelt."""
     near = difflib.get_close_matches(name, table.model_fields, n=1, cutoff=0.0)
-    return f'The nearest known key is "{near[0]}"; delete the line if that isn\'t meant.'
+    remedy = f'The nearest known key is "{near[0]}"; delete the line if that isn\'t meant.'
+    homes = [key for key, other in _tables(model).items() if name in other.model_fields]
+    if homes and not isinstance(got, dict):
+        place = f"below the heading [{homes[0]}]" if homes[0] else "above the first [table]"
+        remedy = f"It belongs {place}."
+    keys = f"one of {', '.join(table.model_fields)}"
+    return Fault(what="an unknown key", got=repr(name), expected=keys, remedy=remedy)
 
 
-def _tables(model: type[BaseModel]) -> Iterator[tuple[type[BaseModel], str]]:
-    yield model, "above the first [table]"
-    for name, field in model.model_fields.items():
-        for candidate in (field.annotation, *typing.get_args(field.annotation)):
-            if isinstance(candidate, type) and issubclass(candidate, BaseModel):
-                yield candidate, f"below the heading [{name}]"
+def _tables(model: type[BaseModel]) -> dict[str, type[BaseModel]]:
+    """A document's tables by their headings; above the first stands the document itself."""
+    inner = {
+        name: candidate
+        for name, field in model.model_fields.items()
+        for candidate in (field.annotation, *typing.get_args(field.annotation))
+        if isinstance(candidate, type) and issubclass(candidate, BaseModel)
+    }
+    return {"": model, **inner}

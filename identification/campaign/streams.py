@@ -17,6 +17,20 @@ CAMERA_FILE = "camera.csv"
 """Name of the vision system's stream."""
 
 
+DRIVE_FIELDS: dict[str, tuple[str, ...]] = {
+    "time": ("t",),
+    "voltage": ("voltage_1", "voltage_2"),
+    "angle": ("alpha_1", "alpha_2"),
+    "current": ("current_1", "current_2"),
+    "tension": ("tension",),
+    "reference": ("x_ref", "y_ref"),
+}
+"""Which columns of `drive.csv` each field of a `DriveStream` is made of."""
+
+POSITIONS = ("x_e", "delta_e", "q_3", "q_4", "y_e")
+"""Columns of `camera.csv` that a `CameraStream`'s positions are made of."""
+
+
 def read_drive(
     folder: Path, *, counts_per_rev: float | None
 ) -> tuple[DriveStream | None, tuple[Fault, ...]]:
@@ -29,15 +43,9 @@ def read_drive(
     Returns:
         The stream, None if there are faults; and the faults.
     """
-    table, faults = read_table(
-        folder / DRIVE_FILE,
-        drive_columns(counts_per_rev),
-        file=f"{folder.name}/{DRIVE_FILE}",
-        may_be_empty=False,
-    )
-    if table is None:
-        return None, faults
-    return drive_stream(table.values, table.extra), ()
+    columns = drive_columns(counts_per_rev)
+    table, faults = read_table(folder / DRIVE_FILE, columns, file=f"{folder.name}/{DRIVE_FILE}")
+    return (None if table is None else drive_stream(table.values, table.extra)), faults
 
 
 def read_camera(folder: Path) -> tuple[CameraStream | None, tuple[Fault, ...]]:
@@ -57,10 +65,8 @@ def read_camera(folder: Path) -> tuple[CameraStream | None, tuple[Fault, ...]]:
     )
     if table is None:
         return None, faults
-    order = ("x_e", "delta_e", "q_3", "q_4", "y_e")
-    position = np.stack([table.values[name] for name in order], axis=-1)
-    stream = CameraStream(time=table.values["t"], position=position, extra=table.extra)
-    return stream, ()
+    position = np.stack([table.values[name] for name in POSITIONS], axis=-1)
+    return CameraStream(time=table.values["t"], position=position, extra=table.extra), ()
 
 
 def drive_stream(
@@ -76,18 +82,11 @@ def drive_stream(
     Returns:
         The stream; what is optional and not there is None.
     """
-
-    def pair(first: str, second: str) -> Float64[np.ndarray, "rows 2"] | None:
-        if first not in values:
-            return None
-        return np.stack([values[first], values[second]], axis=-1)
-
-    return DriveStream(
-        time=values["t"],
-        voltage=pair("voltage_1", "voltage_2"),
-        angle=pair("alpha_1", "alpha_2"),
-        current=pair("current_1", "current_2"),
-        tension=values.get("tension"),
-        reference=pair("x_ref", "y_ref"),
-        extra=dict(extra),
-    )
+    fields = {
+        field: np.stack([values[name] for name in names], axis=-1)
+        if len(names) > 1
+        else values[names[0]]
+        for field, names in DRIVE_FIELDS.items()
+        if names[0] in values
+    }
+    return DriveStream(**fields, extra=dict(extra))

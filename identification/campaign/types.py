@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float64, Shaped
 
 from identification.campaign.faults import Fault
-from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.stated.units import si
 
 KINDS: tuple[str, ...] = (
     "torque_step",
@@ -63,6 +63,11 @@ class CameraStream:
     where the marker was lost."""
     extra: dict[str, Shaped[np.ndarray, " rows"]] = dataclasses.field(default_factory=dict)
     """Columns that the format doesn't know, by header, in their own units; text as text."""
+
+    @property
+    def pose(self) -> Float64[np.ndarray, "rows 2"]:
+        """The end-effector's place $[x_e, y_e]$ [m]."""
+        return self.position[:, [0, 4]]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -146,6 +151,8 @@ class Campaign:
     """The sensors' noise."""
     skipped: tuple[tuple[str, tuple[Fault, ...]], ...] = ()
     """Names of the runs that were left out, each with its faults."""
+    accepted: tuple[str, ...] = ()
+    """Contradictions of its sensors that a user has accepted, in words: results carry them."""
 
     def __repr__(self) -> str:
         seconds = sum(float(run.drive.time[-1] - run.drive.time[0]) for run in self.runs)

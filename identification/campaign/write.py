@@ -1,6 +1,7 @@
 """Writing a campaign in format 1: whole, or not at all."""
 
 import csv
+import dataclasses
 import json
 import math
 import tempfile
@@ -14,16 +15,20 @@ from jaxtyping import Float64, Shaped
 from identification.campaign.faults import CampaignError
 from identification.campaign.quantities import format_quantity
 from identification.campaign.read import CAMPAIGN_FILE, RUN_FILE, survey
-from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
+from identification.campaign.streams import CAMERA_FILE, DRIVE_FIELDS, DRIVE_FILE
+from identification.campaign.tables.columns import drive_columns
 from identification.campaign.tables.document import FORMAT
 from identification.campaign.types import (
     CameraStream,
     Campaign,
     DriveStream,
+    Initial,
+    Knock,
     Run,
+    Sensors,
     encoder_resolution,
 )
-from scdpr_jax.robot.quantities import quantity
+from scdpr_jax.robot.stated.names import quantity
 
 
 def write_campaign(campaign: Campaign, path: str | Path) -> None:
@@ -91,21 +96,13 @@ def _write_text(path: Path, lines: Iterable[str]) -> None:
 
 
 def _campaign_document(campaign: Campaign) -> list[str]:
-    sensors = campaign.sensors
     lines = [f"format = {FORMAT}", f"name = {_text(campaign.name)}"]
     if campaign.counts_per_rev is not None:
         lines.append(f"counts_per_rev = {format_quantity(campaign.counts_per_rev, '1')}")
     if campaign.robot:
         lines += ["", "[robot]"]
         lines += [_entry(name, v, quantity(name).unit) for name, v in campaign.robot.items()]
-    return [
-        *lines,
-        "",
-        "[sensors]",
-        _entry("encoder_sigma", sensors.encoder_sigma, "rad"),
-        _entry("camera_position_sigma", sensors.camera_position_sigma, "m"),
-        _entry("camera_angle_sigma", sensors.camera_angle_sigma, "rad"),
-    ]
+    return [*lines, *_section("sensors", campaign.sensors)]
 
 
 def _run_document(run: Run) -> list[str]:
@@ -114,19 +111,25 @@ def _run_document(run: Run) -> list[str]:
         f"kind = {_text(run.kind)}",
         _entry("pretension", run.pretension, "N"),
         f"notes = {_text(run.notes)}",
+        *_section("initial", run.initial),
+        *_section("knock", run.knock),
     ]
-    if run.initial is not None:
-        lines += ["", "[initial]", _entry("x_e", run.initial.x_e, "m")]
-        lines.append(_entry("y_e", run.initial.y_e, "m"))
-        lines.append(_entry("placement_sigma", run.initial.placement_sigma, "m"))
-    if run.knock is not None:
-        lines += ["", "[knock]", _entry("start", run.knock.start, "s")]
-        lines.append(_entry("duration", run.knock.duration, "s"))
     if run.clock_offset is None:
         lines += ["", "[camera]", 'clock_offset = "unknown"']
     elif run.camera is not None or run.clock_offset != 0:
         lines += ["", "[camera]", _entry("clock_offset", run.clock_offset, "s")]
     return lines
+
+
+def _section(heading: str, record: Sensors | Initial | Knock | None) -> list[str]:
+    """The table of a record, whose fields are its keys; none without a record."""
+    if record is None:
+        return []
+    entries = [
+        _entry(field.name, getattr(record, field.name), field.metadata["unit"])
+        for field in dataclasses.fields(record)
+    ]
+    return ["", f"[{heading}]", *entries]
 
 
 def _entry(name: str, value: float, unit: str) -> str:
@@ -146,43 +149,36 @@ def _write_csv(path: Path, columns: dict[str, list[str]]) -> None:
 
 
 def _drive_columns(drive: DriveStream, counts_per_rev: float | None) -> dict[str, list[str]]:
-    columns = {
-        "t [s]": _plain(drive.time),
-        "voltage_1 [V]": _plain(drive.voltage[:, 0]),
-        "voltage_2 [V]": _plain(drive.voltage[:, 1]),
-    }
     counts = None if counts_per_rev is None else _whole_counts(drive.angle, counts_per_rev)
-    unit, angle = ("rad", drive.angle) if counts is None else ("count", counts)
-    write = _plain if counts is None else _whole
-    columns[f"alpha_1 [{unit}]"] = write(angle[:, 0])
-    columns[f"alpha_2 [{unit}]"] = write(angle[:, 1])
-    if drive.current is not None:
-        columns["current_1 [A]"] = _plain(drive.current[:, 0])
-        columns["current_2 [A]"] = _plain(drive.current[:, 1])
-    if drive.tension is not None:
-        columns["tension [N]"] = _plain(drive.tension)
-    if drive.reference is not None:
-        columns["x_ref [m]"] = _plain(drive.reference[:, 0])
-        columns["y_ref [m]"] = _plain(drive.reference[:, 1])
+    headers = {column.name: column.header for column in drive_columns(counts_per_rev)}
+    columns = {}
+    for field, names in DRIVE_FIELDS.items():
+        numbers, write = getattr(drive, field), repr
+        if field == "angle" and counts is not None:
+            numbers, write = counts, "{:.0f}".format
+            headers |= {name: f"{name} [count]" for name in names}
+        if numbers is not None:
+            for name, part in zip(names, numbers.T.reshape(len(names), -1), strict=True):
+                columns[headers[name]] = _cells(part, write)
     return columns | _extra_columns(drive.extra)
 
 
 def _camera_columns(camera: CameraStream) -> dict[str, list[str]]:
     x_e, delta_e, q_3, q_4, y_e = camera.position.T
     columns = {
-        "t [s]": _plain(camera.time),
-        "x_e [mm]": _lossy(x_e, _millimetres),
-        "y_e [mm]": _lossy(y_e, _millimetres),
-        "delta_e [rad]": _lossy(delta_e, repr),
-        "q_3 [mm]": _lossy(q_3, _millimetres),
-        "q_4 [mm]": _lossy(q_4, _millimetres),
+        "t [s]": _cells(camera.time),
+        "x_e [mm]": _cells(x_e, _millimetres),
+        "y_e [mm]": _cells(y_e, _millimetres),
+        "delta_e [rad]": _cells(delta_e),
+        "q_3 [mm]": _cells(q_3, _millimetres),
+        "q_4 [mm]": _cells(q_4, _millimetres),
     }
     return columns | _extra_columns(camera.extra)
 
 
 def _extra_columns(extra: dict[str, Shaped[np.ndarray, " rows"]]) -> dict[str, list[str]]:
     return {
-        header: cells.tolist() if cells.dtype.kind == "U" else _lossy(cells, repr)
+        header: cells.tolist() if cells.dtype.kind == "U" else _cells(cells)
         for header, cells in extra.items()
     }
 
@@ -196,16 +192,10 @@ def _whole_counts(
     return counts if np.array_equal(counts * resolution, angle) else None
 
 
-def _plain(numbers: Float64[np.ndarray, " rows"]) -> list[str]:
-    return [repr(number) for number in numbers.tolist()]
-
-
-def _whole(numbers: Float64[np.ndarray, " rows"]) -> list[str]:
-    return [f"{number:.0f}" for number in numbers.tolist()]
-
-
-def _lossy(numbers: Float64[np.ndarray, " rows"], write: Callable[[float], str]) -> list[str]:
-    """Numbers with an empty cell for each NaN."""
+def _cells(
+    numbers: Float64[np.ndarray, " rows"], write: Callable[[float], str] = repr
+) -> list[str]:
+    """Numbers as they are written; an empty cell for each NaN."""
     return ["" if math.isnan(number) else write(number) for number in numbers.tolist()]
 
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from identification.campaign.types import Campaign
-from identification.judge.influence import decoded, known_sigma
+from identification.judge.influence import decoded, standard_errors
 from identification.result.estimate import Estimate
 from identification.result.estimation import solved
 from scdpr_jax.numerics.progress import SILENT, Progress
@@ -38,7 +38,7 @@ def without_each_run(
         ends.append(rest.minimise(point, iterations=40, decrement=1e-3).point[: len(names)])
     (value,) = decoded(names, point[None, : len(names)])
     without = np.where(np.isnan(influence.without), np.nan, decoded(names, np.array(ends)))
-    moved = (without - value) / known_sigma(parameters)
+    moved = (without - value) / standard_errors(parameters)
     return dataclasses.replace(
         estimate,
         influence=dataclasses.replace(influence, without=without, moved=moved, refitted=True),

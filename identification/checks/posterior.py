@@ -23,6 +23,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from identification.campaign.types import Campaign
+from identification.fit.lanes import over_lanes
 from identification.fit.problem import Problem
 from identification.fit.run_sums import motor_sums, run_sums
 from identification.fit.unknowns.measured import pulls
@@ -56,11 +57,8 @@ class _Sampled:
     def values(self, z: Float[Array, " active"]) -> Float[Array, " n"]:
         """The fit's vector that standardised unknowns stand for."""
         moved = self.point[self.at] + self.scale @ z
-        return (
-            jnp.asarray(self.point)
-            .at[self.at]
-            .set(jnp.where(self.folds, jnp.abs(moved), moved))
-        )
+        folded = jnp.where(self.folds, jnp.abs(moved), moved)
+        return jnp.asarray(self.point).at[self.at].set(folded)
 
     def potential(self, z: Float[Array, " active"]) -> Float[Array, ""]:
         """Half of the misfit, whose derivative is that of the fit's normal equations."""
@@ -93,13 +91,13 @@ def _half_misfit(problem: Problem, vector: Float[Array, " n"]) -> Float[Array, "
         if rows:
             at = np.stack([unknowns.of_run(logs.cabled[k]) for k in rows])
             lanes = jnp.asarray(rows)
-            sums = run_sums(problem.prior, free, x[at], lanes, logs.rough)
+            sums = over_lanes(run_sums, problem.prior, free, x[at], lanes, logs.rough)
             parts.append((at, sums.gradient, jnp.sum(sums.cost) + jnp.sum(sums.prior_cost)))
         bare = [k for k, i in enumerate(logs.motors) if i not in problem.held_out]
         if bare:
             at = np.stack([unknowns.local[logs.motors[k]] for k in bare])
-            records = jax.tree.map(lambda leaf: leaf[np.array(bare)], logs.motor_records)
-            sums = motor_sums(problem.prior, free, x[at], records)
+            lanes, records = jnp.asarray(bare), logs.motor_records
+            sums = over_lanes(motor_sums, problem.prior, free, x[at], lanes, records)
             parts.append((at, sums.gradient, jnp.sum(sums.cost)))
         if problem.options.measured:
             at = problem.measured_places()
@@ -168,7 +166,7 @@ def posterior(
     keys = jax.random.split(jax.random.key(seed), 2)
     begun = jax.random.normal(keys[0], (chains, sampled.at.size))
     opened = np.flatnonzero(problem.unknowns.opened)
-    names = tuple(problem.unknowns.shared[k] for k in opened)
+    names = problem.unknowns.opened_names
     taken = []
     for number in range(ROUNDS):
         progress("draws from the posterior", number / ROUNDS)
@@ -180,8 +178,8 @@ def posterior(
             else:
                 walk.run(keys[1], init_params=begun)
         z = walk.get_samples(group_by_chain=True)
-        held = np.asarray(jax.vmap(jax.vmap(sampled.values))(z))[:, :, opened]
-        taken.append(decoded([n for n, _ in names], held.reshape(-1, len(names))))
+        encoded = np.asarray(jax.vmap(jax.vmap(sampled.values))(z))[:, :, opened]
+        taken.append(decoded([n for n, _ in names], encoded.reshape(-1, len(names))))
         whole = np.concatenate([part.reshape(chains, -1, len(names)) for part in taken], axis=1)
         r_hat = np.asarray(split_gelman_rubin(whole))
         effective = np.asarray(effective_sample_size(whole))

@@ -69,6 +69,7 @@ def _profile(
     # Along the valley's floor, as far as the misfit is a parabola.
     across = best.matrix[np.ix_(others, others)]
     along = -np.linalg.lstsq(across, best.matrix[others, index], rcond=None)[0]
+    curvature = best.matrix[index, index] + best.matrix[index, others] @ along
     starts = []
     for number in grid:
         start = point.copy()
@@ -93,7 +94,7 @@ def _profile(
         parameter.setting,
         values[order],
         rise[order],
-        _threshold(parameter, best, index, others, point[index]),
+        _threshold(parameter, curvature, point[index]),
     )
 
 
@@ -113,19 +114,11 @@ def _grid(parameter: ParameterEstimate) -> list[float]:
     return [encode(parameter.name, value) for value in values]
 
 
-def _threshold(
-    parameter: ParameterEstimate, best: Normal, index: int, others: np.ndarray, at: float
-) -> float:
+def _threshold(parameter: ParameterEstimate, curvature: float, at: float) -> float:
     """The rise of a parabola at the end of the reported interval; 3.84 without one."""
     half = parameter.interval95[1] - parameter.value
     if not np.isfinite(half) or half <= 0:
         return 3.84
-    across = best.matrix[np.ix_(others, others)]
-    taken = (
-        best.matrix[index, others]
-        @ np.linalg.lstsq(across, best.matrix[others, index], rcond=None)[0]
-    )
-    curvature = best.matrix[index, index] - taken
     width = encode(parameter.name, parameter.value + half) - at
     return float(max(curvature * width**2, 3.84))
 

@@ -232,10 +232,9 @@ def _model(fit: _Fit, held_out: float | None, error: float | None) -> Model:
     measured, cost = problem.measurements(), minimum.normal.cost
     is_free = free_unknowns(minimum.normal, minimum.point, problem.unknowns.lower())
     unknowns = int(np.sum(is_free))
-    opened = np.flatnonzero(problem.unknowns.opened)
     return Model(
         added=tuple(refinement.lacks for refinement in fit.added),
-        free=tuple(dict.fromkeys(problem.unknowns.shared[k][0] for k in opened)),
+        free=tuple(dict.fromkeys(name for name, _ in problem.unknowns.opened_names)),
         misfit=cost / measured,
         aic=cost + 2 * unknowns,
         bic=cost + unknowns * math.log(measured),

@@ -4,13 +4,14 @@ Runs of different length are padded, so that one compiled function serves all of
 intervals of length zero, and samples of weight zero.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import TypeVar
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from identification.campaign.types import Run, Sensors
 from identification.data.circumstances import Prior, prior
@@ -40,6 +41,21 @@ class Record(eqx.Module):
     """What is known of the run's circumstances before any fit; the clock's offset is beyond
     what the stamps were put right by."""
 
+    @property
+    def length(self) -> Float[Array, ""]:
+        """Length of the run [s]."""
+        return jnp.sum(self.inputs.duration)
+
+    @property
+    def readings(self) -> Float[Array, "2"]:
+        """Independent measurements of each encoder [1]."""
+        return jnp.sum(self.angle_share, axis=0)
+
+    @property
+    def frames(self) -> Int[Array, "5"]:
+        """Frames in which each of the camera's coordinates was measured [1]."""
+        return jnp.sum(self.frame_weight > 0, axis=0)
+
 
 class MotorRecord(eqx.Module):
     """A step of the bare drives, the cable off their pulleys, padded like `Record`."""
@@ -54,6 +70,9 @@ class MotorRecord(eqx.Module):
     """Inverse standard deviation of the angles, see `readings` [1/rad]; 0 for none."""
     share: Float[Array, "... rows 2"] = eqx.field(converter=real, metadata=si("1"))
     """How much of a measurement of its own each angle is, up to 1 [1]."""
+
+
+AnyRecord = TypeVar("AnyRecord", Record, MotorRecord)
 
 
 def readings(angle: Float[np.ndarray, "rows 2"]) -> Float[np.ndarray, "rows 2"]:
@@ -78,24 +97,15 @@ def readings(angle: Float[np.ndarray, "rows 2"]) -> Float[np.ndarray, "rows 2"]:
 
 
 def record(
-    run: Run,
-    clock: Clock,
-    sensors: Sensors,
-    *,
-    height: float,
-    rows: int,
-    frames: int,
-    clock_drifts: bool,
+    run: Run, clock: Clock, sensors: Sensors, *, height: float, clock_drifts: bool
 ) -> Record:
-    """The run as arrays of a given size.
+    """The run as arrays.
 
     Args:
         run: A run with the cable on.
         clock: What is known of the camera's clock.
         sensors: The sensors' noise.
         height: Height of the frame [m].
-        rows: Rows of the drive's stream to pad to.
-        frames: Camera frames to pad to.
         clock_drifts: Whether the camera's clock may drift.
 
     Returns:
@@ -115,17 +125,13 @@ def record(
     sigma = np.full(5, sensors.camera_position_sigma)
     sigma[1] = sensors.camera_angle_sigma
     return Record(
-        inputs=Inputs(
-            duration=_pad(np.diff(time), rows - 1),
-            voltage=_pad(run.drive.voltage[:-1], rows - 1),
-            knock=_pad(_knocked(run, time), rows - 1),
-        ),
-        angle=_pad(run.drive.angle - run.drive.angle[0], rows),
-        angle_weight=_pad(np.sqrt(share) / sensors.encoder_sigma, rows),
-        angle_share=_pad(share, rows),
-        frame_time=_pad(stamps, frames),
-        frame=_pad(np.where(seen, frame, 0.0), frames),
-        frame_weight=_pad(seen / sigma, frames),
+        inputs=Inputs(np.diff(time), run.drive.voltage[:-1], _knocked(run, time)),
+        angle=run.drive.angle - run.drive.angle[0],
+        angle_weight=np.sqrt(share) / sensors.encoder_sigma,
+        angle_share=share,
+        frame_time=stamps,
+        frame=np.where(seen, frame, 0.0),
+        frame_weight=seen / sigma,
         prior=prior(run, start, clock, clock_drifts=clock_drifts),
     )
 
@@ -150,21 +156,10 @@ def stacked(
     Returns:
         Their records, with a leading axis over the runs.
     """
-    rows = max(run.drive.time.size for run in runs)
-    frames = max((run.camera.time.size for run in runs if run.camera is not None), default=1)
-    each = [
-        record(
-            run,
-            clock,
-            sensors,
-            height=height,
-            rows=rows,
-            frames=frames,
-            clock_drifts=clock_drifts,
-        )
+    return _padded(
+        record(run, clock, sensors, height=height, clock_drifts=clock_drifts)
         for run, clock in zip(runs, clocks, strict=True)
-    ]
-    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
+    )
 
 
 def motor_record(runs: Sequence[Run], sensors: Sensors) -> MotorRecord:
@@ -177,25 +172,36 @@ def motor_record(runs: Sequence[Run], sensors: Sensors) -> MotorRecord:
     Returns:
         Their records, with a leading axis over the runs.
     """
-    rows = max(run.drive.time.size for run in runs)
-    each = []
-    for run in runs:
-        share = readings(run.drive.angle)
-        each.append(
-            MotorRecord(
-                duration=_pad(np.diff(run.drive.time), rows - 1),
-                voltage=_pad(run.drive.voltage[:-1], rows - 1),
-                angle=_pad(run.drive.angle - run.drive.angle[0], rows),
-                weight=_pad(np.sqrt(share) / sensors.encoder_sigma, rows),
-                share=_pad(share, rows),
-            )
+    shares = [readings(run.drive.angle) for run in runs]
+    return _padded(
+        MotorRecord(
+            duration=np.diff(run.drive.time),
+            voltage=run.drive.voltage[:-1],
+            angle=run.drive.angle - run.drive.angle[0],
+            weight=np.sqrt(share) / sensors.encoder_sigma,
+            share=share,
         )
-    return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
+        for run, share in zip(runs, shares, strict=True)
+    )
+
+
+def _padded(records: Iterable[AnyRecord]) -> AnyRecord:
+    """Records as one, each array padded with zeros to the longest."""
+
+    def together(*arrays: Float[Array, "..."]) -> Float[Array, "..."]:
+        longest = max(len(array) for array in arrays)
+        stack = np.zeros((len(arrays), longest, *arrays[0].shape[1:]))
+        for row, array in zip(stack, arrays, strict=True):
+            row[: len(array)] = array
+        return jnp.asarray(stack)
+
+    return jax.tree.map(together, *records)
 
 
 def _camera(run: Run, offset: float) -> tuple[np.ndarray, np.ndarray]:
     if run.camera is None:
-        return np.zeros(0), np.zeros((0, 5))
+        # A frame in which nothing was seen, so that no array is empty.
+        return np.zeros(1), np.full((1, 5), np.nan)
     return run.camera.time - offset - run.drive.time[0], run.camera.position
 
 
@@ -206,11 +212,6 @@ def _knocked(run: Run, time: np.ndarray) -> np.ndarray:
     start = run.knock.start - run.drive.time[0]
     inside = np.clip(time, start, start + run.knock.duration)
     return np.diff(inside) / np.diff(time)
-
-
-def _pad(array: np.ndarray, length: int) -> np.ndarray:
-    width = [(0, length - array.shape[0])] + [(0, 0)] * (array.ndim - 1)
-    return np.pad(array, width)
 
 
 def coarse(records: Record, factor: int) -> Record:

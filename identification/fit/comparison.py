@@ -2,19 +2,13 @@
 
 import dataclasses
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from identification.data.circumstances import CLOCK
-from identification.data.record import MotorRecord
 from identification.fit.problem import Problem
-from identification.fit.residuals import drive_time
+from identification.fit.residuals import Predicted, drive_time
 from identification.fit.run_sums import motor_angles
-from identification.fit.unknowns.unknowns import apply
-from scdpr_jax.robot.parameters import Robot
 
 ENCODERS = ("alpha_1", "alpha_2")
 CAMERA = ("x_e", "delta_e", "q_3", "q_4", "y_e")
@@ -105,12 +99,7 @@ def comparisons(problem: Problem, point: Float[np.ndarray, " n"]) -> tuple[Compa
         for row, run in enumerate(logs.cabled):
             each[run] = _cabled(problem, point, row, tuple(part[row] for part in predicted))
     if logs.motor_records is not None:
-        quantities = jnp.asarray(point[problem.unknowns.local[list(logs.motors)]])
-        angles = np.asarray(
-            _motor_predictions(
-                problem.prior, problem.unknowns.free, quantities, logs.motor_records
-            )
-        )
+        angles = problem.of_motors(motor_angles, point)
         for run, angle in zip(logs.motors, angles, strict=True):
             rows = logs.runs[run].drive.time.size
             each[run] = _comparison(problem, run, simulated_angle=angle[:rows])
@@ -118,12 +107,7 @@ def comparisons(problem: Problem, point: Float[np.ndarray, " n"]) -> tuple[Compa
 
 
 def _cabled(
-    problem: Problem,
-    point: Float[np.ndarray, " n"],
-    row: int,
-    predicted: tuple[
-        Float[np.ndarray, "rows 5"], Float[np.ndarray, "rows 2"], Float[np.ndarray, "frames 5"]
-    ],
+    problem: Problem, point: Float[np.ndarray, " n"], row: int, predicted: Predicted
 ) -> Comparison:
     """A run with the cable on beside what is predicted for it."""
     logs = problem.logs
@@ -149,15 +133,6 @@ def _cabled(
         measured=np.where(seen > 0, frame, np.nan),
         simulated=frames[:count],
         path=path[:rows],
-    )
-
-
-@eqx.filter_jit
-def _motor_predictions(
-    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: MotorRecord
-) -> Float[Array, "runs rows 2"]:
-    return jax.vmap(lambda u, r: motor_angles(apply(robot, free, u).drive, r))(
-        unknowns, records
     )
 
 

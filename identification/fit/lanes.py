@@ -3,24 +3,53 @@
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from identification.data.record import Record
+from identification.data.record import MotorRecord, Record
 from scdpr_jax.numerics.side_by_side import kind_of, side_by_side
 from scdpr_jax.robot.parameters import Robot
 
 Result = TypeVar("Result")
-Function = Callable[
-    [Robot, tuple[str, ...], Float[Array, "lanes n"], Int[Array, " lanes"], Record], Result
-]
-"""A compiled function of a robot, its free quantities, and for each lane of these quantities
-with the circumstances and the run that it is of; with the runs' records."""
+RunFunction = Callable[[Robot, tuple[str, ...], Float[Array, " n"], Record], Result]
+"""A function of a robot with its fixed quantities, the names of the free ones, these as the fit
+holds them with the run's circumstances, and the run."""
+
+
+@eqx.filter_jit
+def over_lanes(
+    function: RunFunction[Result],
+    robot: Robot,
+    free: tuple[str, ...],
+    unknowns: Float[Array, "lanes n"],
+    run: Int[Array, " lanes"],
+    records: Record | MotorRecord,
+) -> Result:
+    """A function of several simulations, compiled for their number.
+
+    Args:
+        function: What to compute of a simulation.
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknowns: For each lane its run's free quantities and its circumstances.
+        run: Which of the runs each lane is.
+        records: The runs.
+
+    Returns:
+        The results, stacked.
+    """
+
+    def lane(unknown: Float[Array, " n"], number: Int[Array, ""]) -> Result:
+        return function(robot, free, unknown, jax.tree.map(lambda leaf: leaf[number], records))
+
+    return jax.vmap(lane)(unknowns, run)
 
 
 def in_lanes(
-    function: Function[Result],
+    function: RunFunction[Result],
     robot: Robot,
     free: tuple[str, ...],
     vectors: Float[np.ndarray, "count n"],
@@ -29,10 +58,10 @@ def in_lanes(
     *,
     size: int,
 ) -> Result:
-    """A compiled function of any number of simulations.
+    """A function of any number of simulations, compiled once.
 
     Args:
-        function: What to compute of `size` simulations.
+        function: What to compute of a simulation.
         robot: The robot with its fixed quantities.
         free: Names of the free quantities.
         vectors: Free quantities and circumstances of each simulation, one at least.
@@ -48,7 +77,7 @@ def in_lanes(
     def chunk(
         lanes: tuple[Float[np.ndarray, "lanes n"], Int[np.ndarray, " lanes"]],
     ) -> Result:
-        return function(robot, free, *map(jnp.asarray, lanes), records)
+        return over_lanes(function, robot, free, *map(jnp.asarray, lanes), records)
 
     return side_by_side(
         chunk,

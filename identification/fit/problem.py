@@ -15,9 +15,10 @@ from jaxtyping import Float, Int
 
 from identification.campaign.types import Campaign
 from identification.data.circumstances import START
-from identification.fit.lanes import in_lanes
+from identification.data.record import Record
+from identification.fit.lanes import Result, RunFunction, in_lanes, over_lanes
 from identification.fit.logs import Logs
-from identification.fit.residuals import Predicted, predictions
+from identification.fit.residuals import Predicted, predicted
 from identification.fit.run_sums import RunSums, assemble, motor_sums, run_sums
 from identification.fit.unknowns.measured import pulls, require_settings
 from identification.fit.unknowns.options import FitOptions
@@ -92,13 +93,36 @@ class Problem:
         count = float(len(self.options.measured))
         return count + sum(self.logs.measurements(run) for run in self.fitted())
 
+    def in_lanes(
+        self,
+        function: RunFunction[Result],
+        points: Sequence[Float[np.ndarray, " n"]],
+        rows: Sequence[int],
+        *,
+        records: Record,
+        size: int,
+    ) -> Result:
+        """A function of runs with the cable on, each at a point, side by side.
+
+        Args:
+            function: What to compute of a run.
+            points: Vectors of the fit.
+            rows: The run at each of them: a row of the records.
+            records: `logs.records`, or `logs.rough` of the same runs.
+            size: Runs that are compiled for and simulated in one chunk.
+
+        Returns:
+            The results, stacked.
+        """
+        pairs = zip(points, rows, strict=True)
+        vectors = [x[self.unknowns.of_run(self.logs.cabled[row])] for x, row in pairs]
+        free = self.unknowns.free
+        return in_lanes(function, self.prior, free, np.stack(vectors), rows, records, size=size)
+
     def cabled_sums(
         self, points: Sequence[Float[np.ndarray, " n"]], rows: Sequence[int]
     ) -> RunSums:
         """What some runs with the cable on add at each of some points.
-
-        Points and runs are simulated side by side, so that one compiled function serves
-        every use.
 
         Args:
             points: Vectors of the fit.
@@ -107,33 +131,32 @@ class Problem:
         Returns:
             The sums of these runs at the first point, then at the next, stacked.
         """
-        runs = [self.logs.cabled[row] for row in rows]
-        return in_lanes(
-            run_sums,
-            self.prior,
-            self.unknowns.free,
-            np.stack([x[self.unknowns.of_run(run)] for x in points for run in runs]),
-            list(rows) * len(points),
-            self.logs.rough,
-            size=self.logs.lanes,
-        )
+        each, every = [x for x in points for _ in rows], list(rows) * len(points)
+        rough, lanes = self.logs.rough, self.logs.lanes
+        return self.in_lanes(run_sums, each, every, records=rough, size=lanes)
 
-    def motor_sums(self, point: Float[np.ndarray, " n"]) -> RunSums:
-        """What the runs of the bare drives add at a point.
+    def of_motors(
+        self, function: RunFunction[Result], point: Float[np.ndarray, " n"]
+    ) -> Result:
+        """A function of the runs of the bare drives at a point.
 
         Args:
+            function: What to compute of a run.
             point: Vector of the fit.
 
         Returns:
-            The sums of all of them, stacked.
+            The results of all of them, stacked, as NumPy arrays.
         """
-        sums = motor_sums(
+        motors = list(self.logs.motors)
+        results = over_lanes(
+            function,
             self.prior,
             self.unknowns.free,
-            jnp.asarray(point[self.unknowns.local[list(self.logs.motors)]]),
+            jnp.asarray(point[self.unknowns.local[motors]]),
+            jnp.arange(len(motors)),
             self.logs.motor_records,
         )
-        return jax.tree.map(np.asarray, sums)
+        return jax.tree.map(np.asarray, results)
 
     def predictions(
         self, point: Float[np.ndarray, " n"], rows: Sequence[int] | None = None
@@ -145,18 +168,11 @@ class Problem:
             rows: Rows of `logs.records` to look at; None for all.
 
         Returns:
-            As of `identification.fit.residuals.predictions`.
+            As of `identification.fit.residuals.predicted`, stacked.
         """
         rows = range(len(self.logs.cabled)) if rows is None else rows
-        return in_lanes(
-            predictions,
-            self.prior,
-            self.unknowns.free,
-            np.stack([point[self.unknowns.of_run(self.logs.cabled[row])] for row in rows]),
-            rows,
-            self.logs.records,
-            size=self.logs.lanes,
-        )
+        records, lanes = self.logs.records, self.logs.lanes
+        return self.in_lanes(predicted, [point] * len(rows), rows, records=records, size=lanes)
 
     def sums(
         self,
@@ -188,7 +204,7 @@ class Problem:
                     of_point[logs.cabled[row]] = _row(stacked, k * len(rows) + j)
         if bare:
             for point, of_point in zip(points, sums, strict=True):
-                stacked = self.motor_sums(point)
+                stacked = self.of_motors(motor_sums, point)
                 of_point |= {logs.motors[k]: _row(stacked, k) for k in bare}
         return sums
 
@@ -265,7 +281,7 @@ class Problem:
             self.cabled_sums([point], [0])
             self.predictions(point, [0])
         if self.logs.motor_records is not None:
-            self.motor_sums(point)
+            self.of_motors(motor_sums, point)
 
     def minimise(
         self,

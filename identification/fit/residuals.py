@@ -6,7 +6,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
 from identification.data.circumstances import Circumstances
 from identification.data.record import Record
@@ -142,43 +142,30 @@ def residuals(motion: Motion, circumstances: Circumstances, record: Record) -> R
 
 
 Predicted = tuple[
-    Float[Array | np.ndarray, "runs rows 5"],
-    Float[Array | np.ndarray, "runs rows 2"],
-    Float[Array | np.ndarray, "runs frames 5"],
+    Float[Array | np.ndarray, "*runs rows 5"],
+    Float[Array | np.ndarray, "*runs rows 2"],
+    Float[Array | np.ndarray, "*runs frames 5"],
 ]
 """Positions at the drive's rows, encoder angles, and positions at the camera's stamps."""
 
 
-@eqx.filter_jit
-def predictions(
-    robot: Robot,
-    free: tuple[str, ...],
-    unknowns: Float[Array, "lanes n"],
-    run: Int[Array, " lanes"],
-    records: Record,
+def predicted(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " of_run"], record: Record
 ) -> Predicted:
-    """Runs with the cable on as the robot would do them.
+    """A run with the cable on as the robot would do it.
 
     Args:
         robot: The robot with its fixed quantities.
         free: Names of the free quantities.
-        unknowns: For each lane its run's free quantities and its circumstances.
-        run: Which of the runs each lane is.
-        records: The runs.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+        record: The run.
 
     Returns:
         Positions at the drive's rows, encoder angles there, and positions at the camera's
         stamps [m, rad, m, m, m].
     """
-
-    def predicted(
-        unknown: Float[Array, " n"], number: Int[Array, ""]
-    ) -> tuple[Float[Array, "rows 5"], Float[Array, "rows 2"], Float[Array, "frames 5"]]:
-        record = jax.tree.map(lambda leaf: leaf[number], records)
-        motion, circumstances = run_motion(robot, free, unknown, record)
-        return motion.states.position, motion.angle, frames(motion, circumstances, record)
-
-    return jax.vmap(predicted)(unknowns, run)
+    motion, circumstances = run_motion(robot, free, unknown, record)
+    return motion.states.position, motion.angle, frames(motion, circumstances, record)
 
 
 def encoder_residuals(
@@ -191,9 +178,10 @@ def encoder_residuals(
         weight: Inverse standard deviations [1/rad].
 
     Returns:
-        Residuals about the zero that fits best [1].
+        Residuals about the zero that fits best; 0 where nothing was measured [1].
     """
     square = jnp.square(weight)
     total = jnp.sum(square, axis=0, keepdims=True)
-    zero = jnp.sum(square * difference, axis=0, keepdims=True) / total
+    weighed = jnp.sum(square * difference, axis=0, keepdims=True)
+    zero = weighed / jnp.where(total > 0, total, 1.0)
     return weight * (difference - zero)

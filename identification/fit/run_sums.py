@@ -3,13 +3,13 @@
 A run's Jacobian has thousands of rows and some ten columns, one for each free quantity and for
 each of the run's circumstances: forward mode makes it along the simulation, without keeping the
 simulation, and only its sums are carried out. Reverse mode would keep every step of every
-contact. Runs are simulated together by one compiled function.
+contact. Runs are simulated together by one compiled
+function, see `identification.fit.lanes`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -29,7 +29,7 @@ from identification.fit.residuals import (
 from identification.fit.unknowns.unknowns import Unknowns, apply
 from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.parameters import Drive, Robot
+from scdpr_jax.robot.parameters import Robot
 
 BLOCKS = 40
 """Stretches of time into which a run's score is summed, for standard errors."""
@@ -67,16 +67,21 @@ class RunSums(NamedTuple):
         return channels + self.prior_information
 
 
-def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
+def motor_angles(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: MotorRecord
+) -> Float[Array, "rows 2"]:
     """Angles of the bare drives through a run.
 
     Args:
-        drive: The drive; its dry friction is exact here.
+        robot: The robot with its fixed quantities; its drives' dry friction is exact here.
+        free: Names of the free quantities.
+        unknown: Free quantities as the fit holds them.
         record: The run.
 
     Returns:
         Angles from the start [rad].
     """
+    drive = apply(robot, free, unknown).drive
     torque = motor_torque(drive, record.voltage)
 
     def turn(
@@ -87,19 +92,6 @@ def motor_angles(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
         return axis_positions(axis, torque, steps=record.duration, start=start)
 
     return jax.vmap(turn, in_axes=(1, 0), out_axes=1)(torque, drive.frictions)
-
-
-def motor_residuals(drive: Drive, record: MotorRecord) -> Float[Array, "rows 2"]:
-    """Measured minus simulated angles of the bare drives, over the noise.
-
-    Args:
-        drive: The drive.
-        record: The run.
-
-    Returns:
-        Residuals; the encoders' arbitrary zero is taken out [1].
-    """
-    return encoder_residuals(record.angle - motor_angles(drive, record), record.weight)
 
 
 def run_residuals(
@@ -116,57 +108,58 @@ def run_residuals(
     Returns:
         The residuals.
     """
-    motion, circumstances = run_motion(robot, free, unknown, record)
-    return residuals(motion, circumstances, record)
+    return residuals(*run_motion(robot, free, unknown, record), record)
 
 
-@eqx.filter_jit
-def run_sums(
-    robot: Robot,
-    free: tuple[str, ...],
-    unknowns: Float[Array, "lanes n"],
-    run: Int[Array, " lanes"],
-    records: Record,
-) -> RunSums:
-    """Sums of runs with the cable on.
+def run_misfit(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: Record
+) -> Float[Array, ""]:
+    """Misfit of one run at a fit's unknowns, see `identification.fit.misfit`.
 
     Args:
         robot: The robot with its fixed quantities.
         free: Names of the free quantities.
-        unknowns: For each lane its run's free quantities and its circumstances.
-        run: Which of the runs each lane is.
-        records: The runs.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+        record: The run.
 
     Returns:
-        Each lane's sums.
+        The misfit of both sensors; infinite where the simulation diverged.
     """
+    residual = run_residuals(robot, free, unknown, record)
+    angle = channel_misfit(residual.angle, record.readings, record.length)
+    frame = channel_misfit(residual.frame, record.frames, record.length)
+    misfit = jnp.sum(angle.cost) + jnp.sum(frame.cost)
+    return jnp.where(jnp.isfinite(misfit), misfit, jnp.inf)
 
-    def sums(unknown: Float[Array, " n"], number: Int[Array, ""]) -> RunSums:
-        record = jax.tree.map(lambda leaf: leaf[number], records)
-        residual, jacobian = residuals_and_jacobian(robot, free, unknown, record)
-        end = jnp.sum(record.inputs.duration)
-        when = jnp.concatenate([jnp.zeros(1), jnp.cumsum(record.inputs.duration)])
 
-        def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
-            return jnp.clip(time / end * BLOCKS, 0.0, BLOCKS - 1.0).astype(int)
+def run_sums(
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: Record
+) -> RunSums:
+    """Sums of one run with the cable on.
 
-        rows = jnp.sum(record.angle_share, axis=0)
-        frames = jnp.sum(record.frame_weight > 0, axis=0)
-        encoders = _channel_sums(residual.angle, jacobian.angle, rows, stretch(when), end)
-        camera = _channel_sums(
-            residual.frame, jacobian.frame, frames, stretch(record.frame_time), end
-        )
-        pull = residual.prior @ jacobian.prior
-        return RunSums(
-            *(jnp.concatenate(pair) for pair in zip(encoders[:3], camera[:3], strict=True)),
-            gradient=jnp.sum(encoders.scores + camera.scores, axis=0) + pull,
-            scores=(encoders.scores + camera.scores).at[0].add(pull),
-            prior_cost=jnp.sum(jnp.square(residual.prior)),
-            prior_information=jacobian.prior.T @ jacobian.prior,
-            residuals=residual,
-        )
+    Args:
+        robot: The robot with its fixed quantities.
+        free: Names of the free quantities.
+        unknown: Free quantities as the fit holds them, then the run's circumstances.
+        record: The run.
 
-    return jax.vmap(sums)(unknowns, run)
+    Returns:
+        The sums.
+    """
+    residual, jacobian = residuals_and_jacobian(robot, free, unknown, record)
+    end = record.length
+    when = jnp.concatenate([jnp.zeros(1), jnp.cumsum(record.inputs.duration)])
+
+    def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
+        return jnp.clip(time / end * BLOCKS, 0.0, BLOCKS - 1.0).astype(int)
+
+    encoders = _channel_sums(
+        residual.angle, jacobian.angle, record.readings, stretch(when), end
+    )
+    camera = _channel_sums(
+        residual.frame, jacobian.frame, record.frames, stretch(record.frame_time), end
+    )
+    return _gathered((encoders, camera), residual, residual.prior, jacobian.prior)
 
 
 def residuals_and_jacobian(
@@ -204,43 +197,32 @@ def residuals_and_jacobian(
     return residual, jacobian
 
 
-@eqx.filter_jit
 def motor_sums(
-    robot: Robot, free: tuple[str, ...], unknowns: Float[Array, "runs n"], records: MotorRecord
+    robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: MotorRecord
 ) -> RunSums:
-    """Sums of all steps of the bare drives.
+    """Sums of one step of the bare drives.
 
     Args:
         robot: The robot with its fixed quantities.
         free: Names of the free quantities.
-        unknowns: For each run its free quantities.
-        records: The runs.
+        unknown: Free quantities as the fit holds them.
+        record: The run.
 
     Returns:
-        Each run's sums.
+        The sums.
     """
 
-    def sums(unknown: Float[Array, " n"], record: MotorRecord) -> RunSums:
-        def both(
-            x: Float[Array, " n"],
-        ) -> tuple[Float[Array, "rows 2"], Float[Array, "rows 2"]]:
-            residual = motor_residuals(apply(robot, free, x).drive, record)
-            return residual, residual
+    def both(x: Float[Array, " n"]) -> tuple[Float[Array, "rows 2"], Float[Array, "rows 2"]]:
+        difference = record.angle - motor_angles(robot, free, x, record)
+        residual = encoder_residuals(difference, record.weight)
+        return residual, residual
 
-        jacobian, residual = jax.jacfwd(both, has_aux=True)(unknown)
-        block = jnp.arange(residual.shape[0]) * BLOCKS // residual.shape[0]
-        count, duration = jnp.sum(record.share, axis=0), jnp.sum(record.duration)
-        channels = _channel_sums(residual, jacobian, count, block, duration)
-        return RunSums(
-            *channels[:3],
-            gradient=jnp.sum(channels.scores, axis=0),
-            scores=channels.scores,
-            prior_cost=jnp.zeros(()),
-            prior_information=jnp.zeros_like(channels.information[0]),
-            residuals=residual,
-        )
-
-    return jax.vmap(sums)(unknowns, records)
+    jacobian, residual = jax.jacfwd(both, has_aux=True)(unknown)
+    block = jnp.arange(residual.shape[0]) * BLOCKS // residual.shape[0]
+    count, duration = jnp.sum(record.share, axis=0), jnp.sum(record.duration)
+    encoders = _channel_sums(residual, jacobian, count, block, duration)
+    nothing = jnp.zeros((0, unknown.size))
+    return _gathered((encoders,), residual, nothing[:, 0], nothing)
 
 
 class _ChannelSums(NamedTuple):
@@ -266,6 +248,24 @@ def _channel_sums(
         weight=misfit.weight,
         information=jnp.einsum("scn,scm->cnm", jacobian, jacobian),
         scores=jax.ops.segment_sum(pull, block, num_segments=BLOCKS),
+    )
+
+
+def _gathered(
+    streams: Sequence[_ChannelSums],
+    residual: Residuals | Float[Array, "rows 2"],
+    prior: Float[Array, " circumstances"],
+    slope: Float[Array, "circumstances n"],
+) -> RunSums:
+    """A run's sums from those of its streams and what is known before, with its Jacobian."""
+    scores, pull = sum(stream.scores for stream in streams), prior @ slope
+    return RunSums(
+        *(jnp.concatenate(parts) for parts in list(zip(*streams, strict=True))[:3]),
+        gradient=jnp.sum(scores, axis=0) + pull,
+        scores=scores.at[0].add(pull),
+        prior_cost=jnp.sum(jnp.square(prior)),
+        prior_information=slope.T @ slope,
+        residuals=residual,
     )
 
 

@@ -13,13 +13,16 @@ from jaxtyping import Float
 
 from identification.data.circumstances import START
 from identification.fit.problem import Problem
-from identification.fit.scan import scan
+from identification.fit.run_sums import run_misfit
 from identification.fit.unknowns.unknowns import PER_SETTING, decode, encode
 from scdpr_jax.numerics.progress import Progress
 from scdpr_jax.robot.quantities import value
 
 SCAN_RUNS = 2
 """Runs of a setting that the scan looks at: those that move the furthest sideways."""
+
+LANES = 120
+"""Simulations of a chunk; a fixed number, so that one compilation serves every scan."""
 
 VALLEYS = 6
 """Valleys of the scan that are followed down."""
@@ -118,11 +121,8 @@ def _valleys(problem: Problem, base: np.ndarray, label: str) -> list[tuple[Valle
     rows = _telling_runs(problem, label)
     if not rows:
         return []
-    begun = [
-        _at(problem, base, label, pretension, force)
-        for pretension, force in _scanned(problem, base, label, rows)[:VALLEYS]
-    ]
-    ends = problem.minimise_on(rows, begun, iterations=12, decrement=1.0, share=1e-3)
+    minima = _scanned(problem, base, label, rows)[:VALLEYS]
+    ends = problem.minimise_on(rows, minima, iterations=12, decrement=1.0, share=1e-3)
     count = sum(problem.logs.measurements(problem.logs.cabled[row]) for row in rows)
     distinct: list[tuple[Valley, np.ndarray]] = []
     for end in sorted(ends, key=lambda end: end.normal.cost):
@@ -156,27 +156,16 @@ def _telling_runs(problem: Problem, label: str) -> list[int]:
 
 def _scanned(
     problem: Problem, base: np.ndarray, label: str, rows: Sequence[int]
-) -> list[tuple[float, float]]:
-    """Pretension and friction force [N] of the scan's minima, the best first."""
-    tried = [(t, f) for t in PRETENSIONS for f in FRICTION_FORCES]
-    vectors = [
-        _at(problem, base, label, *pair)[problem.unknowns.of_run(problem.logs.cabled[row])]
-        for pair in tried
-        for row in rows
-    ]
-    cost = scan(
-        problem.prior,
-        problem.unknowns.free,
-        np.stack(vectors),
-        list(rows) * len(tried),
-        problem.logs.rough,
-    )
+) -> list[np.ndarray]:
+    """The minima of a scan over pretension and friction, the best first."""
+    points = [_at(problem, base, label, t, f) for t in PRETENSIONS for f in FRICTION_FORCES]
+    cost = _misfits(problem, [x for x in points for _ in rows], list(rows) * len(points))
     total = cost.reshape(len(PRETENSIONS), len(FRICTION_FORCES), len(rows)).sum(axis=2)
     over_friction = total.min(axis=1)
     padded = np.pad(over_friction, 1, constant_values=np.inf)
     minima = np.flatnonzero((over_friction <= padded[:-2]) & (over_friction <= padded[2:]))
     minima = minima[np.argsort(over_friction[minima])]
-    return [(PRETENSIONS[k], FRICTION_FORCES[int(np.argmin(total[k]))]) for k in minima]
+    return [points[k * len(FRICTION_FORCES) + int(np.argmin(total[k]))] for k in minima]
 
 
 def _at(
@@ -236,19 +225,22 @@ def _with_knocks(problem: Problem, point: np.ndarray) -> np.ndarray:
     knocked = [k for k, i in enumerate(logs.cabled) if logs.runs[i].knock is not None]
     if not knocked:
         return point
-    vectors = []
+    points, rows = [], [k for k in knocked for _ in KNOCKS]
     for k in knocked:
-        run = logs.cabled[k]
         for force in KNOCKS:
-            tried = point.copy()
-            tried[unknowns.circumstance(run, "knock")] = force
-            vectors.append(tried[unknowns.of_run(run)])
-    rows = [k for k in knocked for _ in KNOCKS]
-    cost = scan(problem.prior, unknowns.free, np.stack(vectors), rows, logs.rough)
-    for k, costs in zip(knocked, cost.reshape(len(knocked), len(KNOCKS)), strict=True):
-        place = unknowns.circumstance(logs.cabled[k], "knock")
-        point[place] = KNOCKS[int(np.argmin(costs))]
+            points.append(point.copy())
+            points[-1][unknowns.circumstance(logs.cabled[k], "knock")] = force
+    cost = _misfits(problem, points, rows).reshape(len(knocked), len(KNOCKS))
+    for k, best in zip(knocked, np.argmin(cost, axis=1), strict=True):
+        point[unknowns.circumstance(logs.cabled[k], "knock")] = KNOCKS[best]
     return point
+
+
+def _misfits(
+    problem: Problem, points: Sequence[np.ndarray], rows: Sequence[int]
+) -> Float[np.ndarray, " count"]:
+    """Misfit of a run at each point, on the coarser grid."""
+    return problem.in_lanes(run_misfit, points, rows, records=problem.logs.rough, size=LANES)
 
 
 def _friction(problem: Problem, point: np.ndarray) -> float:

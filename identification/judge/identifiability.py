@@ -22,10 +22,10 @@ from scdpr_jax.robot.quantities import quantity
 SENSORS = ("encoders", "camera")
 """Groups of channels in the table of `Identifiability.moved`."""
 
-KNOWN = 0.1
+DETERMINED = 0.1
 """Relative standard error up to which a combination counts as told [1]."""
 
-TOLD_PART = 0.2
+NOTABLE_PART = 0.2
 """Part of a unit combination from which a quantity is named in it [1]."""
 
 
@@ -45,7 +45,7 @@ class Combination:
         parts = [
             (_named(name, setting), power)
             for (name, setting), power in zip(self.names, self.powers, strict=True)
-            if abs(power) >= TOLD_PART
+            if abs(power) >= NOTABLE_PART
         ]
         if len(parts) == 1:
             return f"{parts[0][0]} by itself"
@@ -76,12 +76,12 @@ class Identifiability:
 
     @property
     def rank(self) -> int:
-        """How many combinations the logs tell to better than `KNOWN`."""
-        return sum(each.sigma < KNOWN for each in self.combinations)
+        """How many combinations the logs tell to better than `DETERMINED`."""
+        return sum(each.sigma < DETERMINED for each in self.combinations)
 
-    def untold(self) -> tuple[Combination, ...]:
+    def undetermined(self) -> tuple[Combination, ...]:
         """The combinations that the logs don't tell."""
-        return tuple(each for each in self.combinations if each.sigma >= KNOWN)
+        return tuple(each for each in self.combinations if each.sigma >= DETERMINED)
 
     def reason(self, name: str, setting: str | None) -> str:
         """Why a quantity is told badly, in words.
@@ -100,12 +100,14 @@ class Identifiability:
             return f"Nothing in the logs depends on the {title}."
         strongest = np.unravel_index(np.argmax(moved), moved.shape)
         where = f"{self.runs[strongest[0]]}'s {SENSORS[strongest[1]]}"
-        if self.alone[index] >= KNOWN:
+        if self.alone[index] >= DETERMINED:
             return (
                 f"The {title} hardly moves anything: 1 % of it moves {where} the most, by "
                 f"{moved[strongest]:.2g} standard deviations of the noise."
             )
-        shared = [each for each in self.untold() if abs(each.powers[index]) >= TOLD_PART]
+        shared = [
+            each for each in self.undetermined() if abs(each.powers[index]) >= NOTABLE_PART
+        ]
         if shared:
             return f"The logs can't tell {shared[-1].text()}."
         return (
@@ -143,12 +145,12 @@ def identifiability(
     matrix = matrix * np.outer(scale, scale)
     others = np.flatnonzero(unknowns.open_to(problem.fitted()))
     others = others[others >= len(unknowns.shared)]
-    names = [unknowns.shared[k] for k in opened]
+    names = unknowns.opened_names
     combinations = _combinations(_schur(matrix, opened, others), names)
     with np.errstate(divide="ignore"):
         alone = 1 / np.sqrt(np.diag(matrix)[opened])
     return Identifiability(
-        names=tuple(names),
+        names=names,
         runs=tuple(problem.logs.runs[run].name for run in of_runs),
         moved=0.01 * np.sqrt(moved[:, :, opened]) * scale[opened],
         alone=alone,
@@ -178,7 +180,7 @@ def _schur(
 
 
 def _combinations(
-    information: Float[np.ndarray, "k k"], names: list[tuple[str, str | None]]
+    information: Float[np.ndarray, "k k"], names: tuple[tuple[str, str | None], ...]
 ) -> tuple[Combination, ...]:
     values, vectors = np.linalg.eigh(information)
     # What rounding leaves of an eigenvalue that is zero.
@@ -188,7 +190,7 @@ def _combinations(
         vector = vector * np.sign(vector[np.argmax(np.abs(vector))])
         sigma = float(1 / np.sqrt(number)) if number > floor else np.inf
         powers = tuple(float(power) for power in vector)
-        combinations.append(Combination(tuple(names), powers, sigma))
+        combinations.append(Combination(names, powers, sigma))
     return tuple(combinations)
 
 
@@ -199,7 +201,7 @@ def _together(
     variance = np.zeros(count)
     for combination in combinations:
         power = np.square(combination.powers)
-        # An eigenvector's rounding doesn't make a quantity untold.
+        # An eigenvector's rounding doesn't make a quantity undetermined.
         has_part = power > 1e-12
         variance[has_part] += power[has_part] * combination.sigma**2
     return np.sqrt(variance)

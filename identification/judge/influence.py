@@ -23,6 +23,7 @@ from scipy.optimize import lsq_linear
 
 from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums
+from identification.fit.unknowns.unknowns import lower_bound
 from identification.judge.uncertainty import ParameterEstimate
 from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.robot.quantities import quantity
@@ -34,7 +35,7 @@ FEWEST = 5.0
 """Runs that must tell a quantity for a bootstrap [1]: from five on the intervals of drawn runs,
 equal or not, hold the truth in 93 to 98 %, with four in 86 %."""
 
-UNTOLD = 1e-6
+LEAST_SHARE = 1e-6
 """Share of its information that a quantity must keep to count as told [1]: its standard error
 is then a thousand times that of all runs."""
 
@@ -146,7 +147,7 @@ def influence(
         What moves what, and intervals.
     """
     names, count = [p.name for p in parameters], len(normal.runs)
-    lower = np.array([_lower(name) for name in names]) - encoded
+    lower = np.array([lower_bound(name) for name in names]) - encoded
     without = decoded(names, encoded + moves(normal, 1.0 - np.eye(count), lower=lower))
     drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), resamples)
     resampled = decoded(names, encoded + moves(normal, drawn.astype(float), lower=lower))
@@ -155,12 +156,13 @@ def influence(
     (value,) = decoded(names, encoded[None])
     # A logarithm's standard error is relative.
     size = np.where([quantity(name).positive for name in names], value, 1.0)
+    sigma = standard_errors(parameters)
     return Influence(
         names=tuple((p.name, p.setting) for p in parameters),
         runs=normal.runs,
         without=without,
-        moved=(without - value) / known_sigma(parameters),
-        by_noise=_by_noise(free) * size / known_sigma(parameters),
+        moved=(without - value) / sigma,
+        by_noise=_by_noise(free) * size / sigma,
         telling=telling,
         interval95=tuple(map(_expanded, resampled.T, telling)),
         resamples=resamples,
@@ -188,10 +190,10 @@ def moves(
     inverse = _covariances(normal, weights)
     pull = weights @ normal.pull + normal.otherwise.gradient
     moved = -np.einsum("cij,cj->ci", inverse, pull)
-    is_told = _is_told(normal, inverse)
-    for case in np.flatnonzero(np.any(is_told & (moved < lower), axis=1)):
+    is_determined = _is_determined(normal, inverse)
+    for case in np.flatnonzero(np.any(is_determined & (moved < lower), axis=1)):
         moved[case] = _bounded(inverse[case], pull[case], lower)
-    return np.where(is_told, moved, np.nan)
+    return np.where(is_determined, moved, np.nan)
 
 
 def telling_runs(normal: RunNormal) -> Float[np.ndarray, " n"]:
@@ -250,13 +252,13 @@ def _covariances(
     return np.linalg.inv(information * both + RIDGE * np.eye(scale.size)[None]) * both[None]
 
 
-def _is_told(
+def _is_determined(
     normal: RunNormal, covariances: Float[np.ndarray, "cases n n"]
 ) -> Bool[np.ndarray, "cases n"]:
     """Which quantities keep enough of the information that all runs hold."""
     (whole,) = _covariances(normal, np.ones((1, len(normal.runs))))
     variance = np.diagonal(covariances, axis1=1, axis2=2)
-    return (variance > 0) & (UNTOLD * variance < np.diag(whole)[None])
+    return (variance > 0) & (LEAST_SHARE * variance < np.diag(whole)[None])
 
 
 def _by_noise(normal: RunNormal) -> Float[np.ndarray, "runs n"]:
@@ -269,7 +271,7 @@ def _by_noise(normal: RunNormal) -> Float[np.ndarray, "runs n"]:
     (whole,) = _covariances(normal, np.ones((1, count)))
     rest = _covariances(normal, 1.0 - np.eye(count))
     variance = np.diagonal(rest, axis1=1, axis2=2) - np.diag(whole)[None]
-    return np.where(_is_told(normal, rest), np.sqrt(np.maximum(variance, 0.0)), np.nan)
+    return np.where(_is_determined(normal, rest), np.sqrt(np.maximum(variance, 0.0)), np.nan)
 
 
 def _bounded(
@@ -301,7 +303,7 @@ def _unstopped(normal: RunNormal, lower: Float[np.ndarray, " n"]) -> RunNormal:
     )
 
 
-def known_sigma(parameters: Sequence[ParameterEstimate]) -> Float[np.ndarray, " n"]:
+def standard_errors(parameters: Sequence[ParameterEstimate]) -> Float[np.ndarray, " n"]:
     """Standard errors of quantities.
 
     Args:
@@ -312,11 +314,6 @@ def known_sigma(parameters: Sequence[ParameterEstimate]) -> Float[np.ndarray, " 
     """
     sigma = np.array([p.sigma for p in parameters])
     return np.where(np.isfinite(sigma) & (sigma > 0), sigma, np.nan)
-
-
-def _lower(name: str) -> float:
-    kind = quantity(name)
-    return -np.inf if kind.positive or kind.signed else 0.0
 
 
 def decoded(

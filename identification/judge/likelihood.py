@@ -5,8 +5,6 @@ from the posterior walk all of it: both may say that a quantity has one end, or 
 """
 
 import dataclasses
-import itertools
-from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -33,21 +31,17 @@ class Profile:
     def ends(self) -> tuple[float, float]:
         """Where the misfit passes the threshold on both sides; infinite where it doesn't."""
         at = int(np.argmin(self.rise))
-        return self._crossing(range(at, -1, -1), -np.inf), self._crossing(
-            range(at, self.values.size), np.inf
-        )
+        below, above = slice(at, None, -1), slice(at, None)
+        return self._crossing(below, never=-np.inf), self._crossing(above, never=np.inf)
 
-    def _crossing(self, way: Sequence[int], never: float) -> float:
+    def _crossing(self, way: slice, *, never: float) -> float:
         # The root of a parabola's rise is straight: interpolated, it needs few points.
-        root = np.sqrt(np.maximum(self.rise, 0.0))
-        limit = np.sqrt(self.threshold)
-        for before, after in itertools.pairwise(way):
-            if root[after] >= limit:
-                part = (limit - root[before]) / (root[after] - root[before])
-                return float(
-                    self.values[before] + part * (self.values[after] - self.values[before])
-                )
-        return never
+        root = np.sqrt(np.maximum(self.rise[way], 0.0)) / np.sqrt(self.threshold)
+        beyond = np.flatnonzero(root >= 1.0)
+        if not beyond.size:
+            return never
+        pair = slice(beyond[0] - 1, beyond[0] + 1)
+        return float(np.interp(1.0, root[pair], self.values[way][pair]))
 
     @property
     def label(self) -> str:

@@ -18,7 +18,7 @@ LEVEL = 0.05
 WEAK = 0.1
 """Relative standard error from which a value is called weakly identified [1]."""
 
-UNTOLD = 10.0
+NO_INTERVAL = 10.0
 """Relative standard error from which a value that may be zero has no interval [1]: so wide an
 interval says nothing of the robot, only of how the model was extrapolated."""
 
@@ -169,7 +169,7 @@ def _width(
     return np.sqrt(variance) * stats.t.ppf(0.975, freedom)
 
 
-def is_untold(name: str, number: float, sigma: float) -> bool:
+def is_undetermined(name: str, number: float, sigma: float) -> bool:
     """Whether the data say so little of a quantity that no interval is given.
 
     Args:
@@ -183,7 +183,7 @@ def is_untold(name: str, number: float, sigma: float) -> bool:
     """
     if quantity(name).positive:
         return sigma >= UNSEEN
-    return not np.isfinite(sigma) or sigma >= UNTOLD * abs(number) > 0
+    return not np.isfinite(sigma) or sigma >= NO_INTERVAL * abs(number) > 0
 
 
 USUAL = {

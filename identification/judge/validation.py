@@ -68,35 +68,21 @@ def validate(comparison: Comparison) -> tuple[ChannelValidation, ...]:
     Returns:
         One for each channel that was measured.
     """
-    validations = []
+    channels = []
     for number, name in enumerate(ENCODERS):
         measured = comparison.measured_angle[:, number]
         counts = np.diff(np.unique(measured))
         changes = np.flatnonzero(np.append(True, np.diff(measured) != 0))
         middle = (changes + np.append(changes[1:], measured.size) - 1) // 2
-        validations.append(
-            _channel(
-                comparison,
-                name,
-                comparison.time[middle],
-                measured[middle],
-                comparison.simulated_angle[middle, number],
-                count=float(counts.min()) if counts.size else 0.0,
-            )
-        )
+        pair = measured[middle], comparison.simulated_angle[middle, number]
+        count = float(counts.min()) if counts.size else 0.0
+        channels.append((name, comparison.time[middle], *pair, count))
     for number, name in enumerate(CAMERA):
         seen = np.isfinite(comparison.measured[:, number])
         if np.any(seen):
-            validations.append(
-                _channel(
-                    comparison,
-                    name,
-                    comparison.frame_time[seen],
-                    comparison.measured[seen, number],
-                    comparison.simulated[seen, number],
-                )
-            )
-    return tuple(validations)
+            pair = comparison.measured[seen, number], comparison.simulated[seen, number]
+            channels.append((name, comparison.frame_time[seen], *pair, 0.0))
+    return tuple(_channel(comparison, *channel) for channel in channels)
 
 
 def _channel(
@@ -105,9 +91,9 @@ def _channel(
     time: Float[np.ndarray, " n"],
     measured: Float[np.ndarray, " n"],
     simulated: Float[np.ndarray, " n"],
-    *,
-    count: float = 0.0,
+    count: float,
 ) -> ChannelValidation:
+    """What is left of a channel; of an encoder with the size of its count."""
     residual = measured - simulated
     spread = float(np.linalg.norm(measured - np.mean(measured)))
     fit = 1 - float(np.linalg.norm(residual)) / spread if spread > 0 else np.nan

@@ -7,7 +7,7 @@ For given $\omega_i, \sigma_i$ the rest is linear, so a grid over one mode's fre
 decay finds the start, and nothing has to be guessed.
 """
 
-from typing import NamedTuple
+import dataclasses
 
 import numpy as np
 import scipy.optimize
@@ -18,7 +18,8 @@ _DECAYS = (0.0, 1.0, 4.0)  # of the reciprocal length: from none to all within t
 _APART = 0.5  # of the reciprocal length: closer modes are one
 
 
-class Decay(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class Decay:
     """A fitted sum of decaying sines."""
 
     angular_frequency: Float[np.ndarray, " modes"]
@@ -53,11 +54,7 @@ def fit_decay(
     Returns:
         The fit, all modes refined together.
     """
-    known_frequency = beside.angular_frequency if beside else np.zeros(0)
-    known_rate = beside.rate if beside else np.zeros(0)
-    frequency, rate = _best_start(
-        time, signal, band=band, drift=drift, known=(known_frequency, known_rate)
-    )
+    frequency, rate = _best_start(time, signal, band=band, drift=drift, beside=beside)
     modes = len(frequency)
     basis = _basis(time, frequency, rate, drift=drift)
     linear, *_ = np.linalg.lstsq(basis, signal, rcond=None)
@@ -67,7 +64,12 @@ def fit_decay(
         return columns @ p[2 * modes :] - signal
 
     def jacobian(p: Float[np.ndarray, " parameters"]) -> Float[np.ndarray, "samples _"]:
-        return _jacobian(time, p, modes=modes, drift=drift)
+        c, s = p[2 * modes : 4 * modes].reshape(modes, 2).T
+        basis = _basis(time, p[:modes], p[modes : 2 * modes], drift=drift)
+        cosines, sines = basis[:, 0 : 2 * modes : 2], basis[:, 1 : 2 * modes : 2]
+        by_frequency = time[:, None] * (s * cosines - c * sines)
+        by_rate = -time[:, None] * (c * cosines + s * sines)
+        return np.concatenate([by_frequency, by_rate, basis], axis=1)
 
     start = np.concatenate([frequency, rate, linear])
     fit = scipy.optimize.least_squares(
@@ -89,13 +91,14 @@ def _best_start(
     *,
     band: tuple[float, float],
     drift: bool,
-    known: tuple[Float[np.ndarray, " known"], Float[np.ndarray, " known"]],
+    beside: Decay | None,
 ) -> tuple[Float[np.ndarray, " modes"], Float[np.ndarray, " modes"]]:
     """Frequencies [rad/s] and rates [1/s] with the best further mode of the grid."""
     duration = time[-1]
-    frequencies, rates = known
+    frequencies = np.zeros(0) if beside is None else beside.angular_frequency
+    rates = np.zeros(0) if beside is None else beside.rate
     others = _basis(time, frequencies, rates, drift=drift)
-    # What is orthogonal to the known part: the grid then asks for two columns alone.
+    # What is orthogonal to the earlier modes: the grid then asks for two columns alone.
     q, _ = np.linalg.qr(others)
     rest = signal - q @ (q.T @ signal)
     grid = 2 * np.pi * np.arange(band[0], band[1], _GRID / duration)
@@ -142,20 +145,3 @@ def _basis(
     if drift:
         columns.append(time)
     return np.stack(columns, axis=1)
-
-
-def _jacobian(
-    time: Float[np.ndarray, " samples"],
-    parameters: Float[np.ndarray, " parameters"],
-    *,
-    modes: int,
-    drift: bool,
-) -> Float[np.ndarray, "samples parameters"]:
-    """Derivatives of the sum by frequencies, rates and linear coefficients."""
-    frequency, rate = parameters[:modes], parameters[modes : 2 * modes]
-    pairs = parameters[2 * modes : 4 * modes].reshape(modes, 2)
-    basis = _basis(time, frequency, rate, drift=drift)
-    cosines, sines = basis[:, 0 : 2 * modes : 2], basis[:, 1 : 2 * modes : 2]
-    by_frequency = time[:, None] * (pairs[:, 1] * cosines - pairs[:, 0] * sines)
-    by_rate = -time[:, None] * (pairs[:, 0] * cosines + pairs[:, 1] * sines)
-    return np.concatenate([by_frequency, by_rate, basis], axis=1)

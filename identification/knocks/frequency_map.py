@@ -3,11 +3,11 @@
 import csv
 import dataclasses
 import io
-import math
 import pathlib
-from typing import NamedTuple
+from typing import Annotated
 
 import numpy as np
+import pydantic
 from jaxtyping import Bool, Float
 
 from identification.campaign.types import Campaign, Run
@@ -20,30 +20,25 @@ _MARGIN = 0.05  # s: a frame and a half between the knock and the first sample i
 _CLOCK = 0.1  # s: the same where the camera's clock is unknown by some tens of ms
 
 
-class _Column(NamedTuple):
-    """A column of `frequencies.csv` with numbers in it."""
-
-    field: str
-    unit: str
-    positive: bool | None
-    """True above zero, False not below zero, None any."""
-
-    @property
-    def label(self) -> str:
-        """Header of the column."""
-        return f"{self.field} [{self.unit}]"
+Positive = Annotated[float, pydantic.Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, pydantic.Field(ge=0, allow_inf_nan=False)]
 
 
-_COLUMNS = (
-    _Column("x", "m", None),
-    _Column("y", "m", None),
-    _Column("pretension", "N", True),
-    _Column("frequency", "Hz", True),
-    _Column("frequency_sigma", "Hz", False),
-    _Column("damping_ratio", "1", False),
-    _Column("damping_ratio_sigma", "1", False),
-)
-_RUN = "run"
+class _Row(pydantic.BaseModel):
+    """A row of `frequencies.csv` under its headers."""
+
+    x: pydantic.FiniteFloat = pydantic.Field(alias="x [m]")
+    y: pydantic.FiniteFloat = pydantic.Field(alias="y [m]")
+    pretension: Positive = pydantic.Field(alias="pretension [N]")
+    frequency: Positive = pydantic.Field(alias="frequency [Hz]")
+    frequency_sigma: NotNegative = pydantic.Field(alias="frequency_sigma [Hz]")
+    damping_ratio: NotNegative = pydantic.Field(alias="damping_ratio [1]")
+    damping_ratio_sigma: NotNegative = pydantic.Field(alias="damping_ratio_sigma [1]")
+    run: str
+
+
+_LABELS = {name: field.alias or name for name, field in _Row.model_fields.items()}
+"""Headers of the columns by the names of the rows' fields."""
 _SHOWN = 8  # knocks of a map that is printed
 
 
@@ -108,37 +103,36 @@ def frequency_map(campaign: Campaign) -> FrequencyMap:
         ValueError: If no knock gives a frequency.
     """
     sigma = campaign.sensors.camera_position_sigma
-    rows, unresolved = [], []
+    usable, unresolved = [], []
     knocks = [run for run in campaign.runs if run.kind == "pseudo_impulse"]
     for run in knocks:
         try:
-            rows.append(_row(run, noise_sigma=sigma))
+            usable.append((run, *_pose_and_decay(run, noise_sigma=sigma)))
         except ValueError as error:
             unresolved.append((run.name, str(error)))
-    if not rows:
+    if not usable:
         reasons = "".join(f"\n  {name}: {reason}" for name, reason in unresolved)
         raise ValueError(
             f"none of {len(knocks)} pseudo_impulse runs gives a frequency, expected one at "
             f"least [Hz]. Knock the end-effector and record it with the camera.{reasons}"
         )
-    decays = [decay for _, _, decay, _ in rows]
+    runs, poses, decays = zip(*usable, strict=True)
+    x, y = np.array(poses).T
+    # What a map and a ring-down both have is a column of the map.
+    both = {f.name for f in dataclasses.fields(FrequencyMap)}
+    both &= {f.name for f in dataclasses.fields(RingDown)}
     return FrequencyMap(
-        x=np.array([x for x, _, _, _ in rows]),
-        y=np.array([y for _, y, _, _ in rows]),
-        pretension=np.array([run.pretension for _, _, _, run in rows], dtype=float),
-        frequency=np.array([decay.frequency for decay in decays]),
-        frequency_sigma=np.array([decay.frequency_sigma for decay in decays]),
-        damping_ratio=np.array([decay.damping_ratio for decay in decays]),
-        damping_ratio_sigma=np.array([decay.damping_ratio_sigma for decay in decays]),
-        fft_frequency=np.array([decay.fft_frequency for decay in decays]),
-        residuals_are_noise=np.array([decay.residuals_are_noise for decay in decays]),
-        runs=tuple(run.name for _, _, _, run in rows),
+        x=x,
+        y=y,
+        pretension=np.array([run.pretension for run in runs], dtype=float),
+        **{name: np.array([getattr(decay, name) for decay in decays]) for name in both},
+        runs=tuple(run.name for run in runs),
         unresolved=tuple(unresolved),
-        ring_downs=tuple(decays),
+        ring_downs=decays,
     )
 
 
-def _row(run: Run, *, noise_sigma: float) -> tuple[float, float, RingDown, Run]:
+def _pose_and_decay(run: Run, *, noise_sigma: float) -> tuple[tuple[float, float], RingDown]:
     """Pose before the knock [m] and ring-down after it."""
     if run.camera is None:
         raise ValueError(
@@ -168,7 +162,7 @@ def _row(run: Run, *, noise_sigma: float) -> tuple[float, float, RingDown, Run]:
         noise_sigma=noise_sigma,
         after=run.knock.start + run.knock.duration + offset + margin,
     )
-    return float(np.median(x)), float(np.median(y)), decay, run
+    return (float(np.median(x)), float(np.median(y))), decay
 
 
 def write_frequencies(frequencies: FrequencyMap, path: pathlib.Path) -> None:
@@ -179,11 +173,11 @@ def write_frequencies(frequencies: FrequencyMap, path: pathlib.Path) -> None:
             `residuals_are_noise`, `unresolved` and `ring_downs`) isn't written.
         path: The file, replaced if it exists.
     """
-    columns = [getattr(frequencies, column.field).tolist() for column in _COLUMNS]
+    numbers = [getattr(frequencies, name).tolist() for name in _LABELS if name != "run"]
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
-    writer.writerow([*(column.label for column in _COLUMNS), _RUN])
-    writer.writerows(zip(*columns, frequencies.runs, strict=True))
+    writer.writerow(_LABELS.values())
+    writer.writerows(zip(*numbers, frequencies.runs, strict=True))
     write_whole(path, table.getvalue())
 
 
@@ -209,13 +203,12 @@ def read_frequencies(path: pathlib.Path) -> FrequencyMap:
             "table as CSV (UTF-8)."
         ) from error
     rows = [(i, row) for i, row in enumerate(csv.reader(lines), start=1) if any(row)]
-    labels = [column.label for column in _COLUMNS]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
-    missing = [label for label in (*labels, _RUN) if header.count(label) != 1]
+    missing = [label for label in _LABELS.values() if header.count(label) != 1]
     if missing:
         raise ValueError(
             f"{path}, row 1: got the columns {','.join(header)!r}, expected each of "
-            f"{','.join((*labels, _RUN))!r} once; missing or twice: {', '.join(missing)}. "
+            f"{','.join(_LABELS.values())!r} once; missing or twice: {', '.join(missing)}. "
             "Names and units must be as `scdpr frequencies` writes them."
         )
     if len(rows) < 2:
@@ -223,40 +216,28 @@ def read_frequencies(path: pathlib.Path) -> FrequencyMap:
             f"{path}: no row under the header, expected one natural frequency at least [Hz]. "
             "Write the file again with `scdpr frequencies`."
         )
-    for line, row in rows[1:]:
-        if len(row) != len(header):
-            raise ValueError(
-                f"{path}, row {line}: {len(row)} cells, expected {len(header)} as in the "
-                "header. Mend the row; the decimal point is '.'."
-            )
-    numbers = {
-        column.field: np.array(
-            [
-                _cell(path, line, row[header.index(column.label)], column)
-                for line, row in rows[1:]
-            ]
-        )
-        for column in _COLUMNS
-    }
+    knocks = [_row(path, line, header, cells) for line, cells in rows[1:]]
+    numbers = [name for name in _LABELS if name != "run"]
     return FrequencyMap(
-        **numbers,
-        fft_frequency=np.full(len(rows) - 1, np.nan),
-        residuals_are_noise=np.ones(len(rows) - 1, dtype=bool),
-        runs=tuple(row[header.index(_RUN)] for _, row in rows[1:]),
+        **{name: np.array([getattr(knock, name) for knock in knocks]) for name in numbers},
+        runs=tuple(knock.run for knock in knocks),
+        fft_frequency=np.full(len(knocks), np.nan),
+        residuals_are_noise=np.ones(len(knocks), dtype=bool),
     )
 
 
-def _cell(path: pathlib.Path, line: int, cell: str, column: _Column) -> float:
-    """A cell's number, within the range of its column."""
-    expected = {None: "a finite number", True: "a number above 0", False: "a number from 0"}
-    try:
-        value = float(cell)
-    except ValueError:
-        value = math.nan
-    below = column.positive is not None and (value <= 0 if column.positive else value < 0)
-    if not math.isfinite(value) or below:
+def _row(path: pathlib.Path, line: int, header: list[str], cells: list[str]) -> _Row:
+    """A row's numbers, each within the range of its column."""
+    if len(cells) != len(header):
         raise ValueError(
-            f"{path}, row {line}, column '{column.label}': got {cell!r}, expected "
-            f"{expected[column.positive]} [{column.unit}]. Mend the cell, or leave out the row."
+            f"{path}, row {line}: {len(cells)} cells, expected {len(header)} as in the "
+            "header. Mend the row; the decimal point is '.'."
         )
-    return value
+    try:
+        return _Row.model_validate(dict(zip(header, cells, strict=True)))
+    except pydantic.ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise ValueError(
+            f"{path}, row {line}, column '{first['loc'][0]}': got {first['input']!r}; "
+            f"{first['msg'].lower()}. Mend the cell, or leave out the row."
+        ) from None

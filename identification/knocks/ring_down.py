@@ -1,7 +1,6 @@
 """Natural frequency and damping from the free vibration after a knock."""
 
 import dataclasses
-from typing import NamedTuple
 
 import numpy as np
 import scipy.stats
@@ -24,7 +23,8 @@ _SAME = 0.2  # of the frequency: further off, another window's strongest mode is
 _DOUBTFUL = 0.25  # of the reciprocal length: a frequency less certain isn't resolved
 
 
-class Mode(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Mode:
     """One vibration mode in a ring-down."""
 
     frequency: float
@@ -62,14 +62,15 @@ class RingDown:
     chi_square: float = dataclasses.field(metadata=si("1"))
     """Residual variance over the camera's, 1 for noise alone [1]."""
     modes: tuple[Mode, ...]
-    """All modes found, the strongest first."""
+    """All modes, the strongest first."""
     residuals_are_noise: bool
     """Whether the decay leaves nothing but the camera's noise; if not, the carriages are
     still sliding, frequency and damping depend on amplitude, and the standard errors are
-    widened by what is left over."""
+    widened by what it leaves."""
 
 
-class _Window(NamedTuple):
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Window:
     """The best model of one window."""
 
     start: float
@@ -91,7 +92,7 @@ def ring_down(
        \cos\!\big(\sqrt{1 - \zeta_i^2}\, \omega_i t + \phi_i\big) + o \;[\,+ d\,t\,] $$
 
     A knock sets the carriages sliding. While they slide, the decay isn't exponential and
-    the frequency differs; once friction holds both, what is left is a linear vibration of
+    the frequency differs; once friction holds both, what remains is a linear vibration of
     the end-effector between held carriages. So the window starts as early as it can with
     residuals that are the camera's noise. Where it can't, it starts where they are nearest
     to it, and says so. In each window one or two modes, with or without drift, are chosen
@@ -111,7 +112,7 @@ def ring_down(
         The ring-down.
 
     Raises:
-        ValueError: If too few samples are left, or no vibration stands out of the noise.
+        ValueError: If there are too few samples, or no vibration stands out of the noise.
     """
     if not noise_sigma > 0:
         raise ValueError(
@@ -121,11 +122,13 @@ def ring_down(
     seen = np.isfinite(displacement) & (time >= after)
     time, displacement = time[seen], displacement[seen]
     _check_length(time, after=after)
+    # In units of the noise from here on, but for the amplitudes.
+    signal = displacement / noise_sigma
     starts = time[0] + (time[-1] - time[0]) * np.linspace(0, _LATEST, _STARTS)
     windows = []
     for start in starts:
         inside = time >= start
-        window = _window(time[inside], displacement[inside], noise_sigma=noise_sigma)
+        window = _window(time[inside], signal[inside])
         windows += [] if window is None else [window]
         if windows and windows[-1].is_noise:
             break
@@ -134,9 +137,21 @@ def ring_down(
     chosen = windows[-1]
     if not chosen.is_noise:
         chosen = min(windows, key=lambda window: window.chi_square)
+    modes = _ranked(chosen, noise_sigma=noise_sigma)
+    if not chosen.is_noise:
+        later = windows[len(windows) // 2 :]
+        modes[0] = _widened(modes[0], [_ranked(w, noise_sigma=noise_sigma)[0] for w in later])
     inside = time >= chosen.start
-    return _result(
-        time[inside], displacement[inside], chosen, windows=windows, noise_sigma=noise_sigma
+    peak = natural_frequency(time[inside], displacement[inside])
+    return RingDown(
+        # A ring-down's own numbers are those of its strongest mode.
+        **vars(modes[0]),
+        fft_frequency=peak.frequency,
+        fft_resolution=peak.resolution,
+        window=(chosen.start, float(time[-1])),
+        chi_square=chosen.chi_square,
+        modes=tuple(modes),
+        residuals_are_noise=chosen.is_noise,
     )
 
 
@@ -164,10 +179,7 @@ def _silence(time: Float[np.ndarray, " samples"], *, noise_sigma: float) -> str:
 
 
 def _window(
-    time: Float[np.ndarray, " samples"],
-    displacement: Float[np.ndarray, " samples"],
-    *,
-    noise_sigma: float,
+    time: Float[np.ndarray, " samples"], signal: Float[np.ndarray, " samples"]
 ) -> _Window | None:
     """The best model of a window, None if no vibration stands out in it."""
     if len(time) < _FEWEST:
@@ -179,32 +191,29 @@ def _window(
     models, silent = [], []
     for drift in (False, True):
         line = np.stack([np.ones(count), t][: 1 + drift], axis=1)
-        rest = displacement - line @ np.linalg.lstsq(line, displacement, rcond=None)[0]
-        silent.append(_schwarz(rest, 1 + drift, noise_sigma))
-        first = fit_decay(t, displacement, band=band, drift=drift)
+        rest = signal - line @ np.linalg.lstsq(line, signal, rcond=None)[0]
+        silent.append(_schwarz(rest, 1 + drift))
+        first = fit_decay(t, signal, band=band, drift=drift)
         models.append(first)
-        models.append(fit_decay(t, displacement, band=band, drift=drift, beside=first))
+        models.append(fit_decay(t, signal, band=band, drift=drift, beside=first))
     scored = [
-        (_schwarz(fit.residuals, fit.jacobian.shape[1], noise_sigma), i, fit)
+        (_schwarz(fit.residuals, fit.jacobian.shape[1]), i, fit)
         for i, fit in enumerate(models)
-        if _vibrates(fit, band=band, noise_sigma=noise_sigma)
+        if _vibrates(fit, band=band)
     ]
     if not scored or min(scored)[0] > min(silent) - _EVIDENCE:
         return None
     fit = min(scored)[2]
-    chi_square, is_noise = _judge(fit, noise_sigma=noise_sigma)
+    chi_square, is_noise = _judge(fit)
     return _Window(float(time[0]), fit, chi_square, is_noise)
 
 
-def _schwarz(
-    residuals: Float[np.ndarray, " samples"], parameters: int, noise_sigma: float
-) -> float:
-    """Schwarz's (Bayesian) information criterion for noise of known size [1]."""
-    chi_square = float(residuals @ residuals) / noise_sigma**2
-    return chi_square + parameters * float(np.log(len(residuals)))
+def _schwarz(residuals: Float[np.ndarray, " samples"], parameters: int) -> float:
+    """Schwarz's (Bayesian) information criterion for noise of unit size [1]."""
+    return float(residuals @ residuals) + parameters * float(np.log(len(residuals)))
 
 
-def _vibrates(fit: Decay, *, band: tuple[float, float], noise_sigma: float) -> bool:
+def _vibrates(fit: Decay, *, band: tuple[float, float]) -> bool:
     """Whether all modes are lightly damped, inside the band and resolved."""
     frequency = fit.angular_frequency / (2 * np.pi)
     if np.any(frequency < band[0]) or np.any(frequency > band[1]):
@@ -213,7 +222,7 @@ def _vibrates(fit: Decay, *, band: tuple[float, float], noise_sigma: float) -> b
     scale = np.sqrt(np.diag(normal))
     if not np.all(scale > 0) or np.linalg.cond(normal / np.outer(scale, scale)) > 1e10:
         return False
-    modes = _modes(fit, noise_sigma**2 * np.linalg.inv(normal))
+    modes = _modes(fit, np.linalg.inv(normal))
     ratio = fit.rate / np.hypot(fit.rate, fit.angular_frequency)
     doubtful = _DOUBTFUL * band[0] / _CYCLES
     return all(
@@ -222,52 +231,25 @@ def _vibrates(fit: Decay, *, band: tuple[float, float], noise_sigma: float) -> b
     )
 
 
-def _judge(fit: Decay, *, noise_sigma: float) -> tuple[float, bool]:
+def _judge(fit: Decay) -> tuple[float, bool]:
     """Residual variance over the noise's, and whether the residuals pass for noise."""
     count, parameters = fit.jacobian.shape
     freedom = count - parameters
     total = float(fit.residuals @ fit.residuals)
-    likely = scipy.stats.chi2.sf(total / noise_sigma**2, freedom) > _LEVEL
+    likely = scipy.stats.chi2.sf(total, freedom) > _LEVEL
     neighbours = float(fit.residuals[1:] @ fit.residuals[:-1]) / total
     # Under noise the correlation of neighbours is normal with a variance of 1/n.
     loose = neighbours * np.sqrt(count) < scipy.stats.norm.isf(_LEVEL)
-    return total / noise_sigma**2 / freedom, bool(likely and loose)
-
-
-def _result(
-    time: Float[np.ndarray, " samples"],
-    displacement: Float[np.ndarray, " samples"],
-    window: _Window,
-    *,
-    windows: list[_Window],
-    noise_sigma: float,
-) -> RingDown:
-    """The ring-down of the chosen window, its strongest mode first."""
-    modes = _ranked(window, noise_sigma=noise_sigma)
-    if not window.is_noise:
-        later = windows[len(windows) // 2 :]
-        modes[0] = _widened(modes[0], [_ranked(w, noise_sigma=noise_sigma)[0] for w in later])
-    strongest = modes[0]
-    peak = natural_frequency(time, displacement)
-    return RingDown(
-        frequency=strongest.frequency,
-        frequency_sigma=strongest.frequency_sigma,
-        damping_ratio=strongest.damping_ratio,
-        damping_ratio_sigma=strongest.damping_ratio_sigma,
-        amplitude=strongest.amplitude,
-        fft_frequency=peak.frequency,
-        fft_resolution=peak.resolution,
-        window=(float(time[0]), float(time[-1])),
-        chi_square=window.chi_square,
-        modes=tuple(modes),
-        residuals_are_noise=window.is_noise,
-    )
+    return total / freedom, bool(likely and loose)
 
 
 def _ranked(window: _Window, *, noise_sigma: float) -> list[Mode]:
     """A window's modes with their standard errors, the strongest first."""
-    covariance = _covariance(window.fit, window, noise_sigma=noise_sigma)
-    return sorted(_modes(window.fit, covariance), key=lambda mode: -mode.amplitude)
+    modes = [
+        dataclasses.replace(mode, amplitude=noise_sigma * mode.amplitude)
+        for mode in _modes(window.fit, _covariance(window))
+    ]
+    return sorted(modes, key=lambda mode: -mode.amplitude)
 
 
 def _widened(mode: Mode, others: list[Mode]) -> Mode:
@@ -275,22 +257,22 @@ def _widened(mode: Mode, others: list[Mode]) -> Mode:
     same = [o for o in others if abs(o.frequency / mode.frequency - 1) < _SAME]
     frequency = max((abs(o.frequency - mode.frequency) for o in same), default=0.0)
     ratio = max((abs(o.damping_ratio - mode.damping_ratio) for o in same), default=0.0)
-    return mode._replace(
+    return dataclasses.replace(
+        mode,
         frequency_sigma=float(np.hypot(mode.frequency_sigma, frequency)),
         damping_ratio_sigma=float(np.hypot(mode.damping_ratio_sigma, ratio)),
     )
 
 
-def _covariance(
-    fit: Decay, window: _Window, *, noise_sigma: float
-) -> Float[np.ndarray, "parameters parameters"]:
+def _covariance(window: _Window) -> Float[np.ndarray, "parameters parameters"]:
     """Covariance of all parameters, widened where the residuals are more than noise.
 
-    Noise has a known size. Anything else is scaled to the residuals, and to the larger of
+    Noise has unit size. Anything else is scaled to the residuals, and to the larger of
     white and correlated (`long_run_variance.sandwich`) for each parameter.
     """
+    fit = window.fit
     # Residuals smaller than the noise are luck, and no reason for a smaller error.
-    scale = noise_sigma**2 * max(1.0, window.chi_square)
+    scale = max(1.0, window.chi_square)
     white = scale * np.linalg.inv(fit.jacobian.T @ fit.jacobian)
     if window.is_noise:
         return white

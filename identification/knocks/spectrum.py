@@ -1,6 +1,6 @@
 """Amplitude spectrum of a camera record, and the paper's natural frequency, section 5.2."""
 
-from typing import NamedTuple
+import dataclasses
 
 import numpy as np
 import scipy.interpolate
@@ -11,7 +11,8 @@ _FEWEST = 8  # samples
 _CYCLES = 1.5  # periods in the record: fewer can't be told from a drift
 
 
-class SpectralPeak(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class SpectralPeak:
     """The highest peak of an amplitude spectrum."""
 
     frequency: float

@@ -11,16 +11,15 @@ there yet go on among themselves.
 """
 
 import dataclasses
-import functools
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
+from identification.fit.residuals import encoder_residuals
 from scdpr_jax.engines.linear_stepping import simulate_linear
 from scdpr_jax.numerics.batches import in_chunks
 from scdpr_jax.numerics.levenberg_marquardt import Damping, damped_step
@@ -82,6 +81,47 @@ class ManyEstimates:
         return np.array([not reason for reason in self.failure])
 
 
+class _Task(eqx.Module):
+    """A run and what isn't fitted of its robot; of many runs, stacked."""
+
+    robot: Robot
+    interval: Float[Array | np.ndarray, "..."]
+    run: ShortRuns
+    rubbing_drives: bool = eqx.field(static=True)
+
+    def residuals(self, point: Float[Array, "4"]) -> Float[Array, "rows 6"]:
+        """Measured minus simulated over the noise, the encoders' zero taken out."""
+        run = self.run
+        force, inertia, damping, pretension = jnp.exp(point)
+        fitted = replace(
+            self.robot,
+            {
+                "friction_coefficient": force / (4 * pretension),
+                "drive_inertia": inertia,
+                "drive_damping": damping,
+                "effective_pretension": pretension,
+            },
+        )
+        states = simulate_linear(
+            fitted,
+            rest(fitted, *run.start),
+            height=run.start[2],
+            interval=self.interval,
+            voltage=run.voltage,
+            knock=run.knock,
+            rubbing_drives=self.rubbing_drives,
+        )
+        x, tilt, lower, upper, height = states.position.T
+        radius = value(self.robot, "effective_radius")
+        along, across = lower - lower[0], height - height[0]
+        angle = jnp.stack([along + across, along - across], axis=1) / radius
+        frame = jnp.stack([x, tilt, lower, upper], axis=1)
+        # The encoders' zero is arbitrary; the camera's isn't.
+        turned = encoder_residuals(run.measured[:, :2] - angle, run.weight[:, :2])
+        seen = run.weight[:, 2:] * (run.measured[:, 2:] - frame)
+        return jnp.concatenate([turned, seen], axis=1)
+
+
 class _Normal(NamedTuple):
     """Misfit of a lane with its normal equations."""
 
@@ -90,13 +130,13 @@ class _Normal(NamedTuple):
     matrix: Float[Array, "4 4"]
 
 
-class _Lane(NamedTuple):
-    """Where a fit stands."""
+class _Lane(eqx.Module):
+    """Where a fit stands; of many, stacked."""
 
-    point: Float[Array, "4"]
-    cost: Float[Array, ""]
-    promised: Float[Array, ""]
-    information: Float[Array, "4 4"]
+    point: Float[Array | np.ndarray, "... 4"]
+    cost: Float[Array | np.ndarray, "..."]
+    promised: Float[Array | np.ndarray, "..."]
+    information: Float[Array | np.ndarray, "... 4 4"]
 
 
 def estimate_many(
@@ -131,42 +171,32 @@ def estimate_many(
         )
     count = len(starts)
     alike = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count, *leaf.shape)), robot)
-    given = (alike, np.full(count, interval), runs)
     rubbing = bool(np.any(robot.drive.frictions != 0))
+    task = _Task(alike, np.full(count, interval), runs, rubbing)
 
-    begun = in_chunks(_balanced, (*given, _encoded(starts)), size=LANES)
-    points = in_chunks(_stage(_scanned, rubbing), (*given, begun), size=LANES)
-    lanes, steps = _followed_together(_stage(_followed, rubbing), given, points, rounds=rounds)
+    balanced = in_chunks(_balanced, (task, _encoded(starts)), size=LANES)
+    points = in_chunks(_scanned, (task, balanced), size=LANES)
+    lanes, steps = _followed_together(task, points, rounds=rounds)
     return _judged(lanes, np.sum(np.asarray(runs.weight) > 0, axis=(1, 2)), steps)
 
 
-@functools.cache
-def _stage(stage: Callable[..., Any], rubbing_drives: bool) -> Callable[..., Any]:
-    """A stage of a fit; the same one each time, as it is compiled for what it is."""
-    return functools.partial(stage, rubbing_drives=rubbing_drives)
-
-
 def _followed_together(
-    followed: Callable[..., _Lane],
-    given: tuple[Robot, np.ndarray, ShortRuns],
-    points: np.ndarray,
-    *,
-    rounds: int,
-) -> tuple[_Lane, np.ndarray]:
+    task: _Task, points: Float[np.ndarray, "runs 4"], *, rounds: int
+) -> tuple[_Lane, Int[np.ndarray, " runs"]]:
     """Lanes that are followed until they promise nothing, and the steps that each took."""
-    count = len(points)
-    steps, left, lanes = np.zeros(count, dtype=int), np.arange(count), None
-    while left.size and steps.max() < rounds * STEPS:
-        chosen = jax.tree.map(lambda leaf, left=left: np.asarray(leaf)[left], given)
-        at = points if lanes is None else lanes.point
-        found = in_chunks(followed, (*chosen, at[left]), size=LANES)
-        if lanes is None:
-            lanes = _Lane(*map(np.array, found))
-        for whole, part in zip(lanes, found, strict=True):
-            whole[left] = part
-        steps[left] += STEPS
-        going_on = np.isfinite(lanes.cost) & (lanes.promised > CONVERGED)
-        left = np.flatnonzero(going_on)
+    lanes = in_chunks(_followed, (task, points), size=LANES)
+    steps = np.full(len(points), STEPS)
+    for _ in range(rounds - 1):
+        rows = np.flatnonzero(np.isfinite(lanes.cost) & (lanes.promised > CONVERGED))
+        if not rows.size:
+            break
+        unfinished = jax.tree.map(
+            lambda leaf, rows=rows: np.asarray(leaf)[rows], (task, lanes.point)
+        )
+        further = in_chunks(_followed, unfinished, size=LANES)
+        for whole, part in zip(*map(jax.tree.leaves, (lanes, further)), strict=True):
+            whole[rows] = part
+        steps[rows] += STEPS
     return lanes, steps
 
 
@@ -180,9 +210,6 @@ def _encoded(values: Float[np.ndarray, "runs 4"]) -> Float[np.ndarray, "runs 4"]
     return np.log(np.stack([force, values[:, 1], values[:, 2], values[:, 3]], axis=1))
 
 
-ENCODERS = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-"""Which channels are the encoders'."""
-
 STANDING = 4.0
 """Travel of the lower carriage in an interval over its encoders' noise, up to which it may
 stand [1]."""
@@ -190,10 +217,10 @@ stand [1]."""
 
 LARGEST_SHARE = 5.0
 """Most that the momentum may change a start by, either way [1]: where friction is a small part
-of it, what is left of it is taken from the start."""
+of it, the rest of it is taken from the start."""
 
 
-def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]:
+def _balanced(lane: tuple[_Task, Float[Array, "4"]]) -> Float[Array, "4"]:
     r"""The start with friction force, inertia and damping by the whole robot's momentum.
 
     The loop's forces are internal, so that from rest, twice integrated,
@@ -203,11 +230,12 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
        = -\tfrac{2J}{r^2} \Delta q_3 - \tfrac{2b}{r^2} \int \Delta q_3
          - F \iint (\mathrm{sgn}\,\dot q_3 + \mathrm{sgn}\,\dot q_4) $$
 
-    linear in J, b and F; the drives' known dry friction is taken off their torques. The upper
+    linear in J, b and F; the drives' dry friction is taken off their torques. The upper
     carriage is taken to slide as the lower one does, up to where that one stands again: the
     friction that holds it isn't known.
     """
-    robot, interval, run, start = given
+    task, start = lane
+    robot, run = task.robot, task.run
     radius = value(robot, "effective_radius")
     weight, measured = run.weight, run.measured - run.measured[:1]
     lower = radius / 2 * (measured[:, 0] + measured[:, 1])
@@ -219,11 +247,11 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
     begun = jnp.cumsum(slides) > 0
     stood = jnp.cumsum(begun & ~slides) > 0
 
-    def integral(held: Float[Array, " intervals"]) -> Float[Array, " rows"]:
-        return interval * jnp.concatenate([jnp.zeros_like(held[:1]), jnp.cumsum(held)])
+    def integral(rate: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+        return task.interval * jnp.concatenate([jnp.zeros_like(rate[:1]), jnp.cumsum(rate)])
 
-    def twice(held: Float[Array, " intervals"]) -> Float[Array, " rows"]:
-        speed = integral(held)
+    def twice(rate: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+        speed = integral(rate)
         return integral((speed[1:] + speed[:-1]) / 2)
 
     rubbed = robot.drive.frictions[None, :] * jnp.where(turning, jnp.sign(turns), 0.0)
@@ -233,8 +261,8 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
         for name in ("end_effector", "lower_carriage", "upper_carriage")
     )
     moved = (measured[:, 2], lower, measured[:, 5])
-    left = sum(m * by for m, by in zip(masses, moved, strict=True))
-    right = left - twice(torque / radius + run.knock)
+    momentum = sum(m * by for m, by in zip(masses, moved, strict=True))
+    right = momentum - twice(torque / radius + run.knock)
     columns = jnp.stack(
         [
             -2 * twice(jnp.where(slides, jnp.sign(travel), 0.0)),
@@ -254,40 +282,36 @@ def _balanced(given: tuple[Robot, Array, ShortRuns, Array]) -> Float[Array, "4"]
     return start.at[:3].add(jnp.log(jnp.clip(share, 1 / LARGEST_SHARE, LARGEST_SHARE)))
 
 
-def _scanned(
-    given: tuple[Robot, Array, ShortRuns, Array], *, rubbing_drives: bool
-) -> Float[Array, "4"]:
+def _scanned(lane: tuple[_Task, Float[Array, "4"]]) -> Float[Array, "4"]:
     """The point with the pretension about it that fits best."""
-    robot, interval, run, start = given
+    task, start = lane
 
     def misfit(factor: Float[Array, ""]) -> Float[Array, ""]:
-        point = start.at[3].add(jnp.log(factor))
-        left = _residuals(robot, interval, point, run, rubbing_drives=rubbing_drives)
-        found = jnp.sum(jnp.square(left))
-        return jnp.where(jnp.isfinite(found), found, jnp.inf)
+        cost = jnp.sum(jnp.square(task.residuals(start.at[3].add(jnp.log(factor)))))
+        return jnp.where(jnp.isfinite(cost), cost, jnp.inf)
 
-    tried = jnp.asarray(PRETENSIONS, dtype=start.dtype)
+    factors = jnp.asarray(PRETENSIONS, dtype=start.dtype)
     # One after the other: the lanes fill the processor as it is.
-    best = tried[jnp.argmin(jax.lax.map(misfit, tried))]
+    best = factors[jnp.argmin(jax.lax.map(misfit, factors))]
     return start.at[3].add(jnp.log(best))
 
 
-def _followed(given: tuple[Robot, Array, ShortRuns, Array], *, rubbing_drives: bool) -> _Lane:
+def _followed(lane: tuple[_Task, Float[Array, "4"]]) -> _Lane:
     """`STEPS` steps by Levenberg and Marquardt."""
-    robot, interval, run, start = given
+    task, start = lane
 
     def normal(point: Float[Array, "4"]) -> _Normal:
         def both(x: Float[Array, "4"]) -> tuple[Array, Array]:
-            found = _residuals(robot, interval, x, run, rubbing_drives=rubbing_drives)
-            return found, found
+            residuals = task.residuals(x)
+            return residuals, residuals
 
-        jacobian, found = jax.jacfwd(both, has_aux=True)(point)
+        jacobian, residuals = jax.jacfwd(both, has_aux=True)(point)
         jacobian = jacobian.reshape(-1, 4)
         matrix = jacobian.T @ jacobian
-        cost = jnp.sum(jnp.square(found))
+        cost = jnp.sum(jnp.square(residuals))
         # A derivative that isn't finite stands on the diagonal.
         good = jnp.isfinite(cost) & jnp.all(jnp.isfinite(matrix))
-        return _Normal(jnp.where(good, cost, jnp.inf), jacobian.T @ found.ravel(), matrix)
+        return _Normal(jnp.where(good, cost, jnp.inf), jacobian.T @ residuals.ravel(), matrix)
 
     def step(best: tuple, _: None) -> tuple[tuple, None]:
         point, damping, at = best
@@ -330,7 +354,8 @@ def _judged(lanes: _Lane, count: np.ndarray, steps: np.ndarray) -> ManyEstimates
     sigma = np.full(values.shape, np.inf)
     failure = []
     for row, matrix in enumerate(lanes.information):
-        untold = [name for name, own in zip(NAMES, np.diag(matrix), strict=True) if not own > 0]
+        sizes = zip(NAMES, np.diag(matrix), strict=True)
+        untold = [name for name, size in sizes if not size > 0]
         if not np.isfinite(lanes.cost[row]):
             failure.append("the simulation isn't finite at any point that was tried")
         elif untold:
@@ -349,45 +374,3 @@ def _unfinished(lanes: _Lane, row: int, chi_square: float) -> str:
     if chi_square > DIVERGED:
         return f"came to rest {chi_square:.3g} times as far from the logs as their noise is"
     return ""
-
-
-def _residuals(
-    robot: Robot,
-    interval: Float[Array, ""],
-    point: Float[Array, "4"],
-    run: ShortRuns,
-    *,
-    rubbing_drives: bool,
-) -> Float[Array, "rows 6"]:
-    """Measured minus simulated over the noise, the encoders' zero taken out."""
-    force, inertia, damping, pretension = jnp.exp(point)
-    fitted = replace(
-        robot,
-        {
-            "friction_coefficient": force / (4 * pretension),
-            "drive_inertia": inertia,
-            "drive_damping": damping,
-            "effective_pretension": pretension,
-        },
-    )
-    states = simulate_linear(
-        fitted,
-        rest(fitted, *run.start),
-        height=run.start[2],
-        interval=interval,
-        voltage=run.voltage,
-        knock=run.knock,
-        rubbing_drives=rubbing_drives,
-    )
-    x, tilt, lower, upper, height = states.position.T
-    radius = value(robot, "effective_radius")
-    along, across = lower - lower[0], height - height[0]
-    simulated = jnp.stack(
-        [(along + across) / radius, (along - across) / radius, x, tilt, lower, upper], axis=1
-    )
-    difference = run.measured - simulated
-    # The encoders' zero is arbitrary; the camera's isn't.
-    square = jnp.square(run.weight)
-    total = jnp.sum(square, axis=0)
-    zero = jnp.sum(square * difference, axis=0) / jnp.where(total > 0, total, 1.0)
-    return run.weight * (difference - (ENCODERS * zero)[None, :])

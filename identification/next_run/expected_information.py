@@ -7,11 +7,10 @@ errors themselves, and standard errors are averaged over robots drawn from what 
 one robot for which a run happens to be sharp hardly counts.
 """
 
-from typing import NamedTuple
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, PRNGKeyArray
 
 from identification.campaign.types import Sensors
@@ -19,12 +18,11 @@ from identification.data.circumstances import MOVING, NAMES, START, Circumstance
 from identification.data.record import Record
 from identification.data.start import USUAL_ARM
 from identification.fit.residuals import encoder_residuals, frames, move
-from identification.fit.unknowns.unknowns import apply
+from identification.fit.unknowns.unknowns import apply, lower_bound
 from identification.next_run.excitation import KNOCK_TIME, REST, STEP
 from scdpr_jax.engines.stepping import Inputs
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.parameters import Robot
-from scdpr_jax.robot.quantities import quantity
 from scdpr_jax.robot.state import State, pose
 
 FRAME_RATE = 30.0
@@ -93,8 +91,7 @@ class Rig(eqx.Module):
         Returns:
             The same within their bounds.
         """
-        kinds = [quantity(name) for name in self.names]
-        lower = jnp.array([-jnp.inf if k.positive or k.signed else 0.0 for k in kinds])
+        lower = jnp.array([lower_bound(name) for name in self.names])
         return jnp.maximum(points, jnp.broadcast_to(lower, points.shape))
 
 
@@ -111,13 +108,13 @@ class PlannedRun(eqx.Module):
     """Intervals of the run; the others have no length."""
 
 
-class Expected(NamedTuple):
+class Expected(eqx.Module):
     """What a run would tell if the robot were a given one, and whether it is allowed."""
 
-    units: Float[Array, "... m m"]
+    units: Float[Array | np.ndarray, "... m m"]
     """Covariance with the run, in units of what is known now: of the quantities, then of the
     start's three coordinates and of the knock's force and arm."""
-    beyond: Float[Array, "..."]
+    beyond: Float[Array | np.ndarray, "..."]
     """How far it goes beyond the frame's margin and the speed [m, m/s]; 0 for allowed."""
 
 
@@ -148,7 +145,8 @@ def expected(rig: Rig, run: PlannedRun, truth: Float[Array, " n"]) -> Expected:
     begun = jnp.eye(rig.point.size + len(NAMES[MOVING]), dtype=truth.dtype)
 
     def again(units: Float[Array, "m m"], _: None) -> tuple[Array, Array]:
-        return expected_over(rig, run, truth, jnp.linalg.cholesky(units))
+        expectation = expected_over(rig, run, truth, jnp.linalg.cholesky(units))
+        return expectation.units, expectation.beyond
 
     # A loop of two, so that one simulation is compiled.
     units, beyond = jax.lax.scan(again, begun, length=2)

@@ -2,7 +2,7 @@
 
 Every excitation of a catalogue is judged by what it is expected to tell; the best of each shape
 are improved by gradient. A search ends at what was lucky for the robots that it searched with,
-so what it found and what it began at are judged anew, side by side, with others.
+so its ends and what it began at are judged anew, side by side, with others.
 """
 
 import concurrent.futures
@@ -30,7 +30,7 @@ from scdpr_jax.robot.quantities import value
 
 DRAWS, JUDGES = 4, 32
 """Robots drawn to compare the catalogue with and for each step of the search, and to judge what
-is left."""
+the search ends with."""
 
 LANES = 8
 """Excitations that are simulated side by side."""
@@ -139,13 +139,9 @@ def propose(
     """
     comparing, searching, judging = jax.random.split(key, 3)
     intervals = max(excitation.voltage.shape[0] for excitation in excitations)
-    candidates = judged(
-        rig,
-        excitations,
-        criterion,
-        truths=rig.draws(comparing, DRAWS),
-        intervals=intervals,
-        progress=progress.part(0.0, 0.5, "the catalogue"),
+    design = _Design(rig, criterion, intervals)
+    candidates = design.judged(
+        excitations, rig.draws(comparing, DRAWS), progress.part(0.0, 0.5, "the catalogue")
     )
     best: dict[str, Candidate] = {}
     for candidate in sorted(candidates, key=_falling_rate):
@@ -159,18 +155,10 @@ def propose(
     chosen = [candidate.excitation for candidate in best.values()]
     starts = [excitation for excitation in chosen if excitation.knock == 0][:STARTS]
     if starts and iterations:
-        chosen += improved(
-            rig,
-            starts,
-            criterion,
-            key=searching,
-            iterations=iterations,
-            intervals=intervals,
-            progress=progress.part(0.5, 0.9, "improved by gradient"),
-        )
+        inner = progress.part(0.5, 0.9, "improved by gradient")
+        chosen += design.improved(starts, searching, iterations=iterations, progress=inner)
     progress("judged anew", 0.9)
-    truths = rig.draws(judging, JUDGES)
-    final = judged(rig, chosen, criterion, truths=truths, intervals=intervals)
+    final = design.judged(chosen, rig.draws(judging, JUDGES))
     return tuple(sorted(final, key=_falling_rate))
 
 
@@ -178,76 +166,106 @@ def _falling_rate(candidate: Candidate) -> float:
     return -candidate.rate
 
 
-def judged(
-    rig: Rig,
-    excitations: Sequence[Excitation],
-    criterion: Criterion,
-    *,
-    truths: Float[Array, "draws n"],
-    intervals: int,
-    progress: Progress = SILENT,
-) -> list[Candidate]:
-    """What excitations are worth, without those that break a limit.
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Design:
+    """What excitations are judged by."""
 
-    Args:
-        rig: What is known of the rig.
-        excitations: The excitations.
-        criterion: What is minimised.
-        truths: Robots that may be the true one, as a fit holds their quantities.
-        intervals: What runs are padded to.
-        progress: Told which share is done.
+    rig: Rig
+    criterion: Criterion
+    intervals: int
+    """What runs are padded to."""
 
-    Returns:
-        A candidate for each that keeps within frame and speed for every one of them.
-    """
-    before = float(criterion(rig.root @ rig.root.T))
-    expectations = _expectations(rig, excitations, truths, intervals, progress)
-    candidates = []
-    for excitation, units, beyond in zip(excitations, *expectations, strict=True):
-        if not np.any(beyond > 0.0):
-            covariance = rig.covariance(jnp.asarray(units))
-            sigma = np.sqrt(np.diag(np.asarray(covariance)))
-            gain = before - float(criterion(covariance))
-            candidates.append(Candidate(excitation, sigma, gain))
-    return candidates
+    def judged(
+        self,
+        excitations: Sequence[Excitation],
+        truths: Float[Array, "draws n"],
+        progress: Progress = SILENT,
+    ) -> list[Candidate]:
+        """A candidate for each excitation that keeps within the limits for every truth."""
+        rig = self.rig
+        before = float(self.criterion(rig.root @ rig.root.T))
+        expectations = self.expectations(excitations, truths, progress)
+        candidates = []
+        for row, excitation in enumerate(excitations):
+            if not expectations.beyond[row] > 0.0:
+                covariance = rig.covariance(jnp.asarray(expectations.units[row]))
+                sigma = np.sqrt(np.diag(np.asarray(covariance)))
+                gain = before - float(self.criterion(covariance))
+                candidates.append(Candidate(excitation, sigma, gain))
+        return candidates
 
+    def expectations(
+        self,
+        excitations: Sequence[Excitation],
+        truths: Float[Array, "draws n"],
+        progress: Progress = SILENT,
+    ) -> Expected:
+        """What excitations tell on average over the truths, and how far they exceed limits."""
+        chunks = [
+            (excitations[first : first + LANES], truths[drawn : drawn + DRAWS])
+            for first in range(0, len(excitations), LANES)
+            for drawn in range(0, len(truths), DRAWS)
+        ]
 
-def _expectations(
-    rig: Rig,
-    excitations: Sequence[Excitation],
-    truths: Float[Array, "draws n"],
-    intervals: int,
-    progress: Progress = SILENT,
-) -> Expected:
-    """What excitations tell on average over the truths, and how far they go beyond limits."""
-    chunks = [
-        (excitations[first : first + LANES], truths[drawn : drawn + DRAWS])
-        for first in range(0, len(excitations), LANES)
-        for drawn in range(0, len(truths), DRAWS)
-    ]
+        def tell(chunk: tuple[Sequence[Excitation], Float[Array, "draws n"]]) -> Expected:
+            # Chunks of one size: one compilation.
+            filled = [*chunk[0], *chunk[0][:1] * (LANES - len(chunk[0]))]
+            expectation = _over_all(self.rig, stacked(filled, self.intervals), chunk[1])
+            return jax.tree.map(lambda leaf: np.asarray(leaf)[: len(chunk[0])], expectation)
 
-    def tell(chunk: tuple[Sequence[Excitation], Float[Array, "draws n"]]) -> Expected:
-        # Chunks of one size: one compilation.
-        filled = [*chunk[0], *chunk[0][:1] * (LANES - len(chunk[0]))]
-        expectation = _over_all(rig, stacked(filled, intervals), chunk[1])
-        return jax.tree.map(lambda leaf: np.asarray(leaf)[: len(chunk[0])], expectation)
+        def in_order() -> Iterator[Expected]:
+            # Threads that find nothing compiled would all compile it.
+            yield tell(chunks[0])
+            with concurrent.futures.ThreadPoolExecutor(CORES) as threads:
+                yield from threads.map(tell, chunks[1:])
 
-    def in_order() -> Iterator[Expected]:
-        # Threads that find nothing compiled would all compile it.
-        yield tell(chunks[0])
-        with concurrent.futures.ThreadPoolExecutor(CORES) as threads:
-            yield from threads.map(tell, chunks[1:])
+        parts: list[Expected] = []
+        for part in in_order():
+            parts.append(part)
+            progress("", len(parts) / len(chunks))
+        every = len(truths) // DRAWS
+        rows = [parts[first : first + every] for first in range(0, len(parts), every)]
+        return Expected(
+            np.concatenate([np.mean([part.units for part in row], axis=0) for row in rows]),
+            np.concatenate([np.max([part.beyond for part in row], axis=0) for row in rows]),
+        )
 
-    parts: list[Expected] = []
-    for part in in_order():
-        parts.append(part)
-        progress("", len(parts) / len(chunks))
-    every = len(truths) // DRAWS
-    rows = [parts[first : first + every] for first in range(0, len(parts), every)]
-    return Expected(
-        np.concatenate([np.mean([part.units for part in row], axis=0) for row in rows]),
-        np.concatenate([np.max([part.beyond for part in row], axis=0) for row in rows]),
-    )
+    def improved(
+        self,
+        starts: Sequence[Excitation],
+        key: PRNGKeyArray,
+        *,
+        iterations: int,
+        progress: Progress = SILENT,
+    ) -> list[Excitation]:
+        """The best of each start on the way of Adam's steps, by other robots at every step."""
+        rig, runs = self.rig, stacked(starts, self.intervals)
+        # The secants go over what the starts leave uncertain.
+        uncertain = self.expectations(starts, rig.draws(key, DRAWS)).units
+        over = jnp.asarray(np.linalg.cholesky(uncertain))
+        limit = float(value(rig.robot, "voltage_limit"))
+        base = jnp.arctanh(0.98 * jnp.clip(runs.voltage / limit, -1.0, 1.0))
+        spread = jnp.stack([jnp.asarray(_hats(int(n), base.shape[1])) for n in runs.length])
+        lanes = (runs, base, spread, over)
+        knots = jnp.zeros((len(starts), KNOTS, 2))
+        optimiser = optax.adam(RATE)
+        state = optimiser.init(knots)
+        least, best = np.full(len(starts), np.inf), list(starts)
+        for number in range(iterations):
+            progress("", number / iterations)
+            truths = rig.draws(jax.random.fold_in(key, number), DRAWS)
+            slope, cost, voltage = _sloped(rig, self.criterion, knots, lanes, truths)
+            for lane, start in enumerate(starts):
+                if float(cost[lane]) < least[lane]:
+                    least[lane] = float(cost[lane])
+                    length = start.voltage.shape[0]
+                    best[lane] = start.replaced(np.asarray(voltage[lane, :length]))
+            slope = jnp.where(jnp.isfinite(slope), slope, 0.0)
+            # optax raises a float to the power of an integer count.
+            with jax.numpy_dtype_promotion("standard"):
+                change, state = optimiser.update(slope, state)
+            knots = optax.apply_updates(knots, change)
+        return best
 
 
 @eqx.filter_jit
@@ -281,65 +299,12 @@ def stacked(excitations: Sequence[Excitation], intervals: int) -> PlannedRun:
     return jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
 
 
-def improved(
-    rig: Rig,
-    starts: Sequence[Excitation],
-    criterion: Criterion,
-    *,
-    key: PRNGKeyArray,
-    iterations: int,
-    intervals: int,
-    progress: Progress = SILENT,
-) -> list[Excitation]:
-    """What Adam's steps make of some excitations, on other robots at every step.
-
-    Args:
-        rig: What is known of the rig.
-        starts: Where to begin, without knocks.
-        criterion: What is minimised.
-        key: Of the robots that are drawn.
-        iterations: How many steps.
-        intervals: What runs are padded to.
-        progress: Told which share is done.
-
-    Returns:
-        The best of each start on the way, as far as the search could tell.
-    """
-    runs = stacked(starts, intervals)
-    # The secants go over what the starts leave uncertain.
-    uncertain = _expectations(rig, starts, rig.draws(key, DRAWS), intervals).units
-    over = jnp.asarray(np.linalg.cholesky(uncertain))
-    limit = float(value(rig.robot, "voltage_limit"))
-    base = jnp.arctanh(0.98 * jnp.clip(runs.voltage / limit, -1.0, 1.0))
-    spread = jnp.stack([jnp.asarray(_hats(int(n), base.shape[1])) for n in runs.length])
-    knots = jnp.zeros((len(starts), KNOTS, 2))
-    optimiser = optax.adam(RATE)
-    state = optimiser.init(knots)
-    least, best = np.full(len(starts), np.inf), list(starts)
-    for number in range(iterations):
-        progress("", number / iterations)
-        truths = rig.draws(jax.random.fold_in(key, number), DRAWS)
-        given = (runs, base, spread, over)
-        slope, cost, voltage = _sloped(rig, criterion, knots, given, truths)
-        for lane, start in enumerate(starts):
-            if float(cost[lane]) < least[lane]:
-                least[lane] = float(cost[lane])
-                length = start.voltage.shape[0]
-                best[lane] = start.replaced(np.asarray(voltage[lane, :length]))
-        slope = jnp.where(jnp.isfinite(slope), slope, 0.0)
-        # optax raises a float to the power of an integer count.
-        with jax.numpy_dtype_promotion("standard"):
-            change, state = optimiser.update(slope, state)
-        knots = optax.apply_updates(knots, change)
-    return best
-
-
 @eqx.filter_jit
 def _sloped(
     rig: Rig,
     criterion: Criterion,
     knots: Float[Array, "lanes knots 2"],
-    given: tuple[PlannedRun, Array, Array, Array],
+    lanes: tuple[PlannedRun, Array, Array, Array],
     truths: Float[Array, "draws n"],
 ) -> tuple[
     Float[Array, "lanes knots 2"], Float[Array, " lanes"], Float[Array, "lanes intervals 2"]
@@ -363,7 +328,7 @@ def _sloped(
         return slope, total, voltage
 
     # One after the other: what reverse mode keeps of a lane fills the memory as it is.
-    return jax.lax.map(sloped, (knots, *given))
+    return jax.lax.map(sloped, (knots, *lanes))
 
 
 def _hats(length: int, intervals: int) -> Float[np.ndarray, "intervals knots"]:

@@ -1,20 +1,16 @@
 """`parameters.json` of a single drive axis."""
 
-import json
+import dataclasses
 import pathlib
 from typing import Any
 
 from identification.axis.drive_axis import DriveAxisEstimate
 from identification.axis.law import AxisLaws
-from identification.result.parameters_file import finite
-from scdpr_jax.numerics.files import write_whole
+from identification.axis.motion import AxisParameters
+from identification.result.parameters_file import write_document
 
 AXIS_UNITS = {
-    "mass": "kg",
-    "viscous": "N s/m",
-    "coulomb": "N",
-    "offset": "N",
-    "viscous_difference": "N s/m",
+    field.name: field.metadata["unit"] for field in dataclasses.fields(AxisParameters)
 }
 """SI units of a linear axis's parameters."""
 
@@ -39,7 +35,7 @@ def write_axis_parameters(
             **_axis(laws.extended),
         },
     }
-    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+    write_document(path, document)
 
 
 def _axis(estimate: DriveAxisEstimate) -> dict[str, Any]:
@@ -50,14 +46,14 @@ def _axis(estimate: DriveAxisEstimate) -> dict[str, Any]:
                 "setting": None,
                 "value": float(getattr(estimate.parameters, name)),
                 "unit": AXIS_UNITS[name],
-                "sigma": finite(float(getattr(estimate.sigma, name))),
-                "interval95": [finite(float(end)) for end in estimate.interval95[row]],
+                "sigma": float(getattr(estimate.sigma, name)),
+                "interval95": estimate.interval95[row].tolist(),
                 "status": estimate.status[row],
             }
             for row, name in enumerate(estimate.names)
         ],
         "correlation": {
-            "names": list(estimate.names),
+            "names": estimate.names,
             "matrix": estimate.correlation.tolist(),
         },
         "open_loop_rmse_m": float(estimate.open_loop_rmse),

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from identification.data.circumstances import Circumstances
 from identification.fit.comparison import Comparison
 from identification.fit.starts import Valley
-from identification.fit.unknowns.measured import Measured, MeasuredFit
+from identification.fit.unknowns.measured import MeasuredFit
 from identification.fit.unknowns.models import Model
 from identification.fit.unknowns.options import FitOptions
 from identification.judge.identifiability import Identifiability
@@ -75,16 +75,6 @@ class Estimate:
         return self.fitted.correlation
 
     @property
-    def measured(self) -> tuple[Measured, ...]:
-        """What was measured otherwise."""
-        return self.options.measured
-
-    @property
-    def clock_drifts(self) -> bool:
-        """Whether the cameras' clocks may drift."""
-        return self.options.clock_drifts
-
-    @property
     def lacks(self) -> tuple[str, ...]:
         """What the usual model lacks, by the choice between models."""
         return self.models[self.choice].added if self.models else ()
@@ -96,7 +86,7 @@ class Estimate:
             MeasuredFit.of(
                 number, self.of_setting(number.setting) if number.setting else self.robot
             )
-            for number in self.measured
+            for number in self.options.measured
         )
 
     def of_setting(self, label: str) -> Robot:

@@ -135,7 +135,7 @@ def _estimate(
         ),
     )
     opened = np.flatnonzero(problem.unknowns.opened)
-    free = dict.fromkeys(problem.unknowns.shared[k][0] for k in opened)
+    free = dict.fromkeys(name for name, _ in problem.unknowns.opened_names)
     return Estimate(
         fitted=fitted,
         circumstances=_circumstances(problem, point),

@@ -8,12 +8,13 @@ from jaxtyping import Float
 
 from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums, assemble
-from identification.fit.unknowns.unknowns import PER_SETTING, Unknowns, decode
+from identification.fit.unknowns.unknowns import PER_SETTING, Unknowns, decode, lower_bound
 from identification.judge.uncertainty import (
+    Covariance,
     ParameterEstimate,
     covariance,
     half_width,
-    is_untold,
+    is_undetermined,
     judge,
 )
 from scdpr_jax.numerics.levenberg_marquardt import Minimum, free_unknowns
@@ -94,26 +95,16 @@ def fitted_robot(
     Returns:
         The robot, every quantity judged; without residuals.
     """
-    unknowns, point, lower = problem.unknowns, minimum.point, problem.unknowns.lower()
+    unknowns, point = problem.unknowns, minimum.point
     _, scores = assemble(unknowns, sums, shared=True)
     errors = covariance(
         minimum.normal.matrix,
         scores,
-        free_unknowns(minimum.normal, point, lower),
+        free_unknowns(minimum.normal, point, unknowns.lower()),
         otherwise=problem.otherwise(point).matrix,
     )
     opened = np.flatnonzero(unknowns.opened)
-    parameters = [
-        _parameter(
-            problem,
-            unknowns.shared[index],
-            encoded=float(point[index]),
-            sigma=float(errors.sigma[index]),
-            degrees_of_freedom=float(errors.degrees_of_freedom[index]),
-            at_bound=bool(point[index] <= lower[index]),
-        )
-        for index in opened
-    ]
+    parameters = [_parameter(problem, minimum, errors, index) for index in opened.tolist()]
     robot = replace(problem.prior, {p.name: p.value for p in reversed(parameters)})
     return FittedRobot(
         robot,
@@ -123,18 +114,15 @@ def fitted_robot(
 
 
 def _parameter(
-    problem: Problem,
-    place: tuple[str, str | None],
-    *,
-    encoded: float,
-    sigma: float,
-    degrees_of_freedom: float,
-    at_bound: bool,
+    problem: Problem, minimum: Minimum, errors: Covariance, index: int
 ) -> ParameterEstimate:
     """An estimated quantity, from its value and standard error as the fit holds them."""
-    name, setting = place
+    name, setting = problem.unknowns.shared[index]
+    encoded, sigma = float(minimum.point[index]), float(errors.sigma[index])
+    degrees_of_freedom = float(errors.degrees_of_freedom[index])
+    at_bound = encoded <= lower_bound(name)
     kind, number = quantity(name), decode(name, encoded)
-    if is_untold(name, number, sigma) and not at_bound:
+    if is_undetermined(name, number, sigma) and not at_bound:
         # What no run shows is what it was taken to be, not where a search left it.
         number, sigma = float(value(problem.prior, name)), np.inf
     # The logarithm's standard error is relative.
@@ -156,7 +144,7 @@ def _parameter(
 
 def _fixed(robot: Robot, unknowns: Unknowns) -> list[ParameterEstimate]:
     """The quantities that the fit didn't open, as they are."""
-    opened = {unknowns.shared[index][0] for index in np.flatnonzero(unknowns.opened)}
+    opened = {name for name, _ in unknowns.opened_names}
     numbers = {q: float(value(robot, q.name)) for q in QUANTITIES if q.name not in opened}
     return [
         ParameterEstimate(

@@ -34,6 +34,7 @@ def write_parameters(
     estimate: Estimate,
     profiles: Sequence[Profile] = (),
     posterior: Posterior | None = None,
+    accepted: Sequence[str] = (),
 ) -> None:
     """Write an estimate as `parameters.json`, whole or not at all.
 
@@ -42,13 +43,14 @@ def write_parameters(
         estimate: The estimate.
         profiles: Its profiles, where they were traced.
         posterior: Draws from what the logs leave possible, where they were made.
+        accepted: Contradictions of the sensors that the fit went on with, in words.
     """
     document = {
         "format": 1,
         "parameters": [_parameter(p) for p in estimate.parameters],
         "correlation": {
             "names": [p.label for p in estimate.fitted.estimated],
-            "matrix": estimate.correlation.tolist(),
+            "matrix": estimate.correlation,
         },
         "runs": [_run(estimate, run) for run in estimate.comparisons],
         "residuals": [
@@ -56,6 +58,7 @@ def write_parameters(
             for run in estimate.comparisons
             for channel, validation in zip(run.channels, validate(run), strict=True)
         ],
+        "accepted": list(accepted),
         "profiles": [_profile(profile) for profile in profiles],
         "posterior": [] if posterior is None else _posterior(posterior),
         "measured_otherwise": _measured(estimate),
@@ -65,39 +68,46 @@ def write_parameters(
         ],
         "fit": _fit(estimate),
     }
-    write_whole(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+    write_document(path, document)
+
+
+def write_document(path: pathlib.Path, document: dict[str, Any]) -> None:
+    """Write a file of numbers whole or not at all; null for one that isn't finite.
+
+    Args:
+        path: The file, replaced if it exists.
+        document: Its content; arrays become lists.
+    """
+    text = json.dumps(_plain(document), indent=1, allow_nan=False)
+    write_whole(path, text + "\n")
+
+
+def _plain(content: Any) -> Any:
+    if isinstance(content, dict):
+        return {key: _plain(value) for key, value in content.items()}
+    if isinstance(content, list | tuple | np.ndarray):
+        return [_plain(value) for value in content]
+    return None if isinstance(content, float) and not math.isfinite(content) else content
 
 
 def _parameter(parameter: ParameterEstimate) -> dict[str, Any]:
-    return {
-        "name": parameter.name,
-        "setting": parameter.setting,
-        "value": parameter.value,
-        "unit": parameter.unit,
-        "sigma": finite(parameter.sigma),
-        "interval95": [finite(end) for end in parameter.interval95],
-        "status": parameter.status,
-    }
+    return {name: getattr(parameter, name) for name in _Parameter.model_fields}
 
 
 def _run(estimate: Estimate, run: Comparison) -> dict[str, Any]:
     """A run with what was estimated of it by itself; null for one without the cable."""
     circumstances = estimate.circumstances.get(run.name)
-    names = {
-        "clock_offset_s": "clock_offset",
+    of_run = {"name": run.name, "kind": run.kind, "fitted": not run.held_out}
+    keys = {
+        "clock_offset": "clock_offset_s",
         "clock_drift": "clock_drift",
-        "knock_N": "knock",
-        "knock_arm_m": "knock_arm",
+        "knock": "knock_N",
+        "knock_arm": "knock_arm_m",
     }
-    return {
-        "name": run.name,
-        "kind": run.kind,
-        "fitted": not run.held_out,
-        **{
-            key: None if circumstances is None else float(getattr(circumstances, name))
-            for key, name in names.items()
-        },
-    }
+    if circumstances is None:
+        return of_run | dict.fromkeys(keys.values())
+    numbers = {key: float(getattr(circumstances, name)) for name, key in keys.items()}
+    return of_run | numbers
 
 
 def _residual(run: str, channel: Channel, validation: ChannelValidation) -> dict[str, Any]:
@@ -110,9 +120,9 @@ def _residual(run: str, channel: Channel, validation: ChannelValidation) -> dict
         "chi_square": channel.chi_square,
         "is_noise": channel.is_noise,
         "worst_at_s": channel.worst_time,
-        "fit": finite(validation.fit),
-        "whiteness_p": finite(validation.whiteness),
-        "independence_p": finite(validation.independence),
+        "fit": validation.fit,
+        "whiteness_p": validation.whiteness,
+        "independence_p": validation.independence,
         "verdict": validation.verdict,
     }
 
@@ -122,9 +132,9 @@ def _profile(profile: Profile) -> dict[str, Any]:
         "name": profile.name,
         "setting": profile.setting,
         "label": profile.label,
-        "interval95": [finite(end) for end in profile.ends],
-        "values": profile.values.tolist(),
-        "misfit_rise": profile.rise.tolist(),
+        "interval95": profile.ends,
+        "values": profile.values,
+        "misfit_rise": profile.rise,
         "threshold": profile.threshold,
     }
 
@@ -137,7 +147,7 @@ def _posterior(posterior: Posterior) -> list[dict[str, Any]]:
             "setting": setting,
             "mean": float(mean[k]),
             "sigma": float(sigma[k]),
-            "interval95": interval[k].tolist(),
+            "interval95": interval[k],
             "r_hat": float(posterior.r_hat[k]),
             "effective_draws": float(posterior.effective[k]),
         }
@@ -167,7 +177,7 @@ def _fit(estimate: Estimate) -> dict[str, Any]:
         "iterations": fit.iterations,
         "misfit": fit.misfit,
         "measurements": fit.measurements,
-        "starts": list(fit.starts),
+        "starts": fit.starts,
         "minima": [dataclasses.asdict(valley) for valley in fit.valleys],
         "influence": _influence(estimate.influence),
     }
@@ -175,36 +185,20 @@ def _fit(estimate: Estimate) -> dict[str, Any]:
 
 def _influence(influence: Influence) -> dict[str, Any]:
     """What leaving out each run does, and the bootstrap over runs."""
-
-    def rows(table: Float[np.ndarray, "runs quantities"]) -> list[list[float | None]]:
-        return [[finite(float(number)) for number in row] for row in table]
-
     return {
         "quantities": [{"name": name, "setting": setting} for name, setting in influence.names],
-        "runs": list(influence.runs),
+        "runs": influence.runs,
         "refitted": influence.refitted,
-        "value_without_run": rows(influence.without),
-        "moved_standard_errors": rows(influence.moved),
-        "moved_by_noise_standard_errors": rows(influence.by_noise),
+        "value_without_run": influence.without,
+        "moved_standard_errors": influence.moved,
+        "moved_by_noise_standard_errors": influence.by_noise,
         "bootstrap": {
-            "interval95": [interval and list(interval) for interval in influence.interval95],
-            "runs_that_tell": influence.telling.tolist(),
+            "interval95": influence.interval95,
+            "runs_that_tell": influence.telling,
             "resamples": influence.resamples,
             "seed": influence.seed,
         },
     }
-
-
-def finite(number: float) -> float | None:
-    """A number that JSON can hold; null for one that isn't finite.
-
-    Args:
-        number: Any number.
-
-    Returns:
-        Itself, or None.
-    """
-    return number if math.isfinite(number) else None
 
 
 class _Parameter(pydantic.BaseModel):
@@ -221,15 +215,14 @@ class _Parameter(pydantic.BaseModel):
     def estimate(self) -> ParameterEstimate:
         """The row as a fit has it: what isn't known is infinite."""
         low, high = self.interval95
-        return ParameterEstimate(
-            name=self.name,
-            setting=self.setting,
-            value=self.value,
-            unit=self.unit,
-            sigma=math.inf if self.sigma is None else self.sigma,
-            interval95=(-math.inf if low is None else low, math.inf if high is None else high),
-            status=self.status,
-        )
+        errors = {
+            "sigma": math.inf if self.sigma is None else self.sigma,
+            "interval95": (
+                -math.inf if low is None else low,
+                math.inf if high is None else high,
+            ),
+        }
+        return ParameterEstimate(**self.model_dump() | errors)
 
 
 class _Correlation(pydantic.BaseModel):

@@ -21,6 +21,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from scdpr_jax import native
 from scdpr_jax.command.controller import Controller
 from scdpr_jax.command.sensors import Encoder
 from scdpr_jax.engines.closed_loop import ClosedLoop, sampled_loop
@@ -32,7 +33,7 @@ from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import State
 
-_Held = Callable[[Float[Array, ""]], tuple[Float[Array, "2"], Float[Array, ""]]]
+_Inputs = Callable[[Float[Array, ""]], tuple[Float[Array, "2"], Float[Array, ""]]]
 """Commands [V] and knock [N] as a function of time."""
 
 _X = TypeVar("_X")
@@ -95,7 +96,7 @@ def simulate_smooth(
     _require_smooth(robot)
     method = Adaptive() if method is None else method
     solution = _solve(
-        lambda held: _equations(robot, held),
+        lambda inputs: _equations(robot, inputs),
         start,
         voltage=voltage,
         times=times,
@@ -164,14 +165,14 @@ def smooth_sensitivities(
     method = Adaptive() if method is None else method
     directions = jnp.eye(unknowns.size, dtype=unknowns.dtype)
 
-    def variational(held: _Held) -> _Field[tuple[State, State]]:
+    def variational(inputs: _Inputs) -> _Field[tuple[State, State]]:
         def field(
             time: Float[Array, ""], both: tuple[State, State], _: None
         ) -> tuple[State, State]:
             state, derivatives = both
 
             def motion(at: State, of: Float[Array, " unknowns"]) -> State:
-                return _equations(robot_of(of), held)(time, at, None)
+                return _equations(robot_of(of), inputs)(time, at, None)
 
             slope, along = jax.linearize(motion, state, unknowns)
             return slope, jax.vmap(along)(derivatives, directions)
@@ -232,7 +233,7 @@ def simulate_closed_loop(
     _require_smooth(robot)
     method = Adaptive(max_steps=1_000) if method is None else method
 
-    def advance(state: State, inputs: Inputs) -> State:
+    def advance(robot: Robot, state: State, inputs: Inputs) -> State:
         solution = diffrax.diffeqsolve(
             diffrax.ODETerm(_equations(robot, lambda _: (inputs.voltage, inputs.knock))),
             method.solver,
@@ -258,11 +259,13 @@ def simulate_closed_loop(
         knock=knock,
         encoder=encoder,
         delay_samples=delay_samples,
+        # The solver takes as many steps as it needs.
+        run=native.scan,
     )
 
 
 def _solve(
-    field_of: Callable[[_Held], _Field[_X]],
+    field_of: Callable[[_Inputs], _Field[_X]],
     start: _X,
     *,
     voltage: Float[Array, "intervals 2"],
@@ -274,14 +277,14 @@ def _solve(
     """The solution, whole or given up, of equations under held inputs."""
     knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
 
-    def held(time: Float[Array, ""]) -> tuple[Float[Array, "2"], Float[Array, ""]]:
+    def inputs(time: Float[Array, ""]) -> tuple[Float[Array, "2"], Float[Array, ""]]:
         interval = jnp.searchsorted(times, time, side="right") - 1
         interval = jnp.clip(interval, 0, voltage.shape[0] - 1)
         return voltage[interval], knock[interval]
 
     jumps = _jumps(jnp.concatenate([voltage, knock[:, None]], axis=1), times)
     return diffrax.diffeqsolve(
-        diffrax.ODETerm(field_of(held)),
+        diffrax.ODETerm(field_of(inputs)),
         method.solver,
         t0=times[0],
         t1=times[-1],
@@ -295,11 +298,11 @@ def _solve(
     )
 
 
-def _equations(robot: Robot, held: _Held) -> _Field[State]:
+def _equations(robot: Robot, inputs: _Inputs) -> _Field[State]:
     """The equations of motion under inputs that are a function of time."""
 
     def field(time: Float[Array, ""], state: State, _: None) -> State:
-        voltage, knock = held(time)
+        voltage, knock = inputs(time)
         torque = motor_torque(robot.drive, voltage)
         return State(state.velocity, accelerations(robot, state, torque=torque, knock=knock))
 

@@ -13,14 +13,17 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from scdpr_jax import native
 from scdpr_jax.command.controller import Controller, saturate
 from scdpr_jax.command.sensors import Encoder, read_encoder
 from scdpr_jax.engines.stepping import Inputs, step, with_start
-from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.kinematics import inverse_kinematics
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import State
+
+Advance = Callable[[Robot, State, Inputs], State]
+"""State after one interval of held inputs."""
 
 
 class ClosedLoop(eqx.Module):
@@ -69,7 +72,7 @@ def closed_loop(
         ValueError: If the delay is negative.
     """
     return sampled_loop(
-        lambda state, held: step(robot, state, held),
+        step,
         robot,
         start,
         controller,
@@ -82,7 +85,7 @@ def closed_loop(
 
 
 def sampled_loop(
-    advance: Callable[[State, Inputs], State],
+    advance: Advance,
     robot: Robot,
     start: State,
     controller: Controller,
@@ -92,11 +95,12 @@ def sampled_loop(
     encoder: Encoder | None,
     delay_samples: int,
     feedforward: Float[Array, "samples 2"] | None = None,
+    run: Callable[..., Any] = native.run,
 ) -> ClosedLoop:
     """The sampled loop around an integrator of one period.
 
     Args:
-        advance: State after one interval of held inputs.
+        advance: State after one interval of held inputs, of a robot.
         robot: The robot.
         start: State at the first sample.
         controller: The controller.
@@ -105,6 +109,8 @@ def sampled_loop(
         encoder: Encoders that the angles are read by; `None` for exact angles.
         delay_samples: Whole periods by which a command comes late.
         feedforward: Commands that are added to the controller's [V].
+        run: How samples follow each other: `native.run`, or `native.scan` around an integrator
+            that machine code can't do.
 
     Returns:
         States at the samples and commands between them.
@@ -123,34 +129,54 @@ def sampled_loop(
         knock = jnp.zeros(intervals, dtype=period.dtype)
     if feedforward is None:
         feedforward = jnp.zeros((intervals + 1, 2), dtype=period.dtype)
-    commanded = joint_references(robot, reference)
+    references = joint_references(robot, reference)
 
-    def measure(state: State) -> Float[Array, "2"]:
-        angles = pulley_angles(robot, state, start)
-        return angles if encoder is None else read_encoder(encoder, angles)
-
-    def sample(
-        carry: tuple[State, Any, Float[Array, "delay 2"]],
-        given: tuple[Float[Array, "2"], Float[Array, "2"], Float[Array, ""]],
-    ) -> tuple[tuple[State, Any, Float[Array, "delay 2"]], tuple[State, Float[Array, "2"]]]:
-        state, memory, waiting = carry
-        wanted, forward, push = given
-        memory, command = controller.step(memory, wanted, measure(state))
-        limited = saturate(command + forward, robot.drive.voltage_limit)
-        queue = jnp.concatenate([waiting, limited[None]])
-        following = advance(state, Inputs(period, queue[0], push))
-        return (following, memory, queue[1:]), (following, queue[0])
-
-    memory = controller.initial_state(commanded[0], measure(start))
+    loop = _Loop(robot, start, controller, encoder, period, advance)
+    memory = controller.initial_state(references[0], loop.measured(start))
     waiting = jnp.zeros((delay_samples, 2), dtype=period.dtype)
-    _, (states, voltage) = lean_scan(
-        sample, (start, memory, waiting), (commanded[:-1], feedforward[:-1], knock)
+    _, (states, voltage) = run(
+        _sample, loop, (start, memory, waiting), (references[:-1], feedforward[:-1], knock)
     )
     return ClosedLoop(
         time=period * jnp.arange(intervals + 1, dtype=period.dtype),
         states=with_start(start, states),
         voltage=voltage,
     )
+
+
+class _Loop(eqx.Module):
+    """What is the same at all samples."""
+
+    robot: Robot
+    start: State
+    controller: Controller
+    encoder: Encoder | None
+    period: Float[Array, ""]
+    advance: Advance = eqx.field(static=True)
+
+    def measured(self, state: State) -> Float[Array, "2"]:
+        """Angles that the controller is told."""
+        angles = pulley_angles(self.robot, state, self.start)
+        return angles if self.encoder is None else read_encoder(self.encoder, angles)
+
+
+_Carry = tuple[State, Any, Float[Array, "delay 2"]]
+"""State, the controller's memory, and commands that wait."""
+
+
+def _sample(
+    loop: _Loop,
+    carry: _Carry,
+    given: tuple[Float[Array, "2"], Float[Array, "2"], Float[Array, ""]],
+) -> tuple[_Carry, tuple[State, Float[Array, "2"]]]:
+    """A sample and the interval behind it."""
+    state, memory, waiting = carry
+    wanted, forward, push = given
+    memory, command = loop.controller.step(memory, wanted, loop.measured(state))
+    limited = saturate(command + forward, loop.robot.drive.voltage_limit)
+    queue = jnp.concatenate([waiting, limited[None]])
+    following = loop.advance(loop.robot, state, Inputs(loop.period, queue[0], push))
+    return (following, memory, queue[1:]), (following, queue[0])
 
 
 def joint_references(

@@ -14,15 +14,16 @@ Everything in a step is a scalar: batched by `jax.vmap` these are arrays with th
 side, which a processor works through two to four times as fast as stacked small matrices.
 """
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from scdpr_jax import native
 from scdpr_jax.contacts.linear import AssumedFriction, Start, Tables, carriage, pulleys
 from scdpr_jax.contacts.response import Moving, Scalars, departed
 from scdpr_jax.engines.propagator import Propagator, propagator
 from scdpr_jax.engines.stepping import with_start
-from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import drive_forces, masses
@@ -67,19 +68,31 @@ def simulate_linear(
             f"`substeps` must be 1 or more [steps in an interval], got {substeps}. Take 1 for "
             "inputs every 5 ms, 5 for inputs every 25 ms."
         )
-    tables = _unpacked(
-        propagator(
-            robot, height=height, duration=interval / substeps, rubbing_drives=rubbing_drives
-        )
+    tables = propagator(
+        robot, height=height, duration=interval / substeps, rubbing_drives=rubbing_drives
     )
     pushes = _accelerations(robot, voltage, knock)
+    _, states = native.run(_advance, _Interval(tables, substeps), start, pushes)
+    return with_start(start, states)
 
-    def advance(state: Scalars, held: Scalars) -> tuple[Scalars, Scalars]:
-        state = jax.lax.fori_loop(0, substeps, lambda _, now: _step(tables, now, held), state)
-        return state, state
 
-    _, rows = lean_scan(advance, (*start.position, *start.velocity), pushes)
-    return with_start(start, _packed(rows))
+class _Interval(eqx.Module):
+    """What an interval of held inputs needs to know."""
+
+    tables: Propagator
+    """A tabulated step."""
+    substeps: int = eqx.field(static=True)
+    """Steps in the interval."""
+
+
+def _advance(interval: _Interval, state: State, held: Scalars) -> tuple[State, State]:
+    tables = _unpacked(interval.tables)
+    first = (*state.position, *state.velocity)
+    last = jax.lax.fori_loop(
+        0, interval.substeps, lambda _, now: _step(tables, now, held), first
+    )
+    following = State(jnp.stack(last[:5]), jnp.stack(last[5:]))
+    return following, following
 
 
 def linear_step(
@@ -102,11 +115,11 @@ def linear_step(
     Returns:
         State at the end; what sticks has a velocity, or a pulley's rate, of exactly zero.
     """
-    held = tuple(push[0] for push in _accelerations(robot, voltage[None], knock[None]))
-    return _packed(_step(_unpacked(tables), (*state.position, *state.velocity), held))
+    inputs = tuple(push[0] for push in _accelerations(robot, voltage[None], knock[None]))
+    return _packed(_step(_unpacked(tables), (*state.position, *state.velocity), inputs))
 
 
-def _packed(state: Scalars) -> State:
+def _packed(state: tuple[Float[Array, " *samples"], ...]) -> State:
     """Coordinates and velocities, one after the other, as a state."""
     return State(jnp.stack(state[:5], axis=-1), jnp.stack(state[5:], axis=-1))
 
@@ -136,8 +149,8 @@ def _unpacked(tables: Propagator) -> Tables:
     return Tables(*(scalars(getattr(tables, name)) for name in Tables._fields))
 
 
-def _step(tables: Tables, state: Scalars, held: Scalars) -> Scalars:
-    drive, knock, lift = (tables.duration * acceleration for acceleration in held)
+def _step(tables: Tables, state: Scalars, inputs: Scalars) -> Scalars:
+    drive, knock, lift = (tables.duration * acceleration for acceleration in inputs)
     pushes = {LOWER: drive, UPPER: jnp.zeros_like(drive), HEIGHT: lift}
     start = Start(tables, Moving(state[:5], state[5:]), pushes)
     lower = carriage(start, LOWER) if tables.drives is None else pulleys(start)

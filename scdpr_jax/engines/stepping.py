@@ -20,19 +20,19 @@ A carriage that sticks has a velocity of exactly zero, a drive that sticks has
 $\dot q_3 = \mp\dot y_e$ exactly; that is the engine's only memory.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from scdpr_jax import native
 from scdpr_jax.contacts import branches, events, single
 from scdpr_jax.contacts.branches import PAIR, Pair, Three, act, less
 from scdpr_jax.contacts.motion import Assumed
 from scdpr_jax.contacts.polynomial import Cubic, Quadratic, cubic_between
 from scdpr_jax.contacts.response import Moving, Response, Scalars, departed
-from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
 from scdpr_jax.robot.drive import motor_torque
@@ -41,6 +41,8 @@ from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State
+
+_Run = TypeVar("_Run")
 
 
 class Inputs(eqx.Module):
@@ -68,26 +70,29 @@ def simulate(robot: Robot, start: State, inputs: Inputs) -> State:
     Raises:
         TypeError: If a carriage has another friction law.
     """
-
-    def advance(state: State, held: Inputs) -> tuple[State, State]:
-        following = step(robot, state, held)
-        return following, following
-
-    _, states = lean_scan(advance, start, inputs)
+    _, states = native.run(_advance, robot, start, inputs)
     return with_start(start, states)
 
 
-def with_start(start: State, states: State) -> State:
-    """A start and the states that follow it, as one trajectory.
+def with_start(start: _Run, following: _Run) -> _Run:
+    """What holds at the first instant and what follows it, as one run.
 
     Args:
-        start: The state at the first instant.
-        states: Those at the following ones, along the first axis.
+        start: A state, or any tree of arrays.
+        following: The same at the following instants, along the first axis.
 
     Returns:
         All of them.
     """
-    return jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
+    return jax.tree.map(
+        lambda first, rest: jnp.concatenate([first[None], rest]), start, following
+    )
+
+
+def _advance(robot: Robot, state: State, held: Inputs) -> tuple[State, State]:
+    """A step that is carried on and told."""
+    following = step(robot, state, held)
+    return following, following
 
 
 def interpolate(
@@ -118,13 +123,13 @@ def interpolate(
     return before + s * (leaving + s * (quadratic + s * cubic))
 
 
-def step(robot: Robot, state: State, held: Inputs) -> State:
+def step(robot: Robot, state: State, inputs: Inputs) -> State:
     """The state after one interval.
 
     Args:
         robot: The robot, with `Coulomb` friction on both carriages.
         state: State at the beginning.
-        held: Commands and knock of this one interval.
+        inputs: Commands and knock of this one interval.
 
     Returns:
         State at the end; what sticks has a velocity, or a pulley's rate, of exactly zero.
@@ -133,36 +138,36 @@ def step(robot: Robot, state: State, held: Inputs) -> State:
         TypeError: If a carriage has another friction law.
     """
     start = Moving(*(tuple(jnp.unstack(part)) for part in (state.position, state.velocity)))
-    stages = _runge_kutta(robot, start, held)
-    responses = _responses(robot, state, held)
+    stages = _runge_kutta(robot, start, inputs)
+    responses = _responses(robot, state, inputs)
     mass = tuple(jnp.unstack(masses(robot)))
     contacts = branches.Contacts(
         tuple(mass[i] for i in PAIR),
-        tuple(held.duration * limit for limit in stages.middle.limit.pair),
+        tuple(inputs.duration * limit for limit in stages.middle.limit.pair),
     )
-    upper = single.deviation(_upper_motion(held, stages, responses[UPPER]))
-    pair = events.deviation(_pair_motion(held, stages, responses, mass), contacts)
+    upper = single.deviation(_upper_motion(inputs, stages, responses[UPPER]))
+    pair = events.deviation(_pair_motion(inputs, stages, responses, mass), contacts)
     end = departed(
         stages.end,
         (upper.departure(UPPER), pair.departure(contacts.mass)),
-        duration=held.duration,
+        duration=inputs.duration,
         responses=responses,
     )
     return State(jnp.stack(end.position), jnp.stack(end.velocity))
 
 
-def _responses(robot: Robot, state: State, held: Inputs) -> dict[int, Response]:
+def _responses(robot: Robot, state: State, inputs: Inputs) -> dict[int, Response]:
     """How the robot answers coordinates with friction, at frozen coefficients."""
-    h, mass = held.duration, jnp.unstack(masses(robot))
+    h, mass = inputs.duration, jnp.unstack(masses(robot))
     damping = jnp.unstack(dampings(robot))
     rows = jnp.unstack(carriage_stiffness(robot, state.position))
     couplings = {
-        i: {k: -jnp.square(h) * own / mass[k] for k, own in enumerate(jnp.unstack(row))}
+        i: {k: -jnp.square(h) * part / mass[k] for k, part in enumerate(jnp.unstack(row))}
         for i, row in zip((LOWER, UPPER), rows, strict=True)
     }
     # The height's stiffness is of second order in the inclinations.
     couplings[HEIGHT] = {HEIGHT: jnp.zeros_like(mass[HEIGHT])}
-    return {i: Response(h * damping[i] / mass[i], own) for i, own in couplings.items()}
+    return {i: Response(h * damping[i] / mass[i], tied) for i, tied in couplings.items()}
 
 
 _STAGES = (
@@ -219,23 +224,23 @@ class _Stages(NamedTuple):
         return self.beginning, self.middle, self.last
 
 
-def _runge_kutta(robot: Robot, start: Moving, held: Inputs) -> _Stages:
+def _runge_kutta(robot: Robot, start: Moving, inputs: Inputs) -> _Stages:
     mass = jnp.unstack(masses(robot))
     pair_mass = tuple(mass[i] for i in PAIR)
-    torque = motor_torque(robot.drive, held.voltage)
+    torque = motor_torque(robot.drive, inputs.voltage)
     lower, upper = exact_laws(robot)
     drives = tuple(jnp.unstack(robot.drive.frictions / robot.drive.effective_radius))
 
     def balance(at: Moving) -> tuple[Scalars, _Limits]:
         loop = loop_forces(robot, jnp.stack(at.position))
         force = smooth_forces(
-            robot, loop, jnp.stack(at.velocity), torque=torque, knock=held.knock
+            robot, loop, jnp.stack(at.velocity), torque=torque, knock=inputs.knock
         )
         load = tuple(once(f / m) for f, m in zip(jnp.unstack(force), mass, strict=True))
         on_lower, on_upper = jnp.unstack(loop.normal)
         guide = once(lower.sliding(at.velocity[PAIR[0]]) * on_lower)
-        own = once(upper.sliding(at.velocity[UPPER]) * on_upper / mass[UPPER])
-        return load, _Limits(own, (*drives, guide))
+        alone = once(upper.sliding(at.velocity[UPPER]) * on_upper / mass[UPPER])
+        return load, _Limits(alone, (*drives, guide))
 
     def on_pair(load: Scalars) -> Pair:
         return tuple(load[i] * mass[i] for i in PAIR)
@@ -255,7 +260,7 @@ def _runge_kutta(robot: Robot, start: Moving, held: Inputs) -> _Stages:
         return _Stage(at, load, limit, (*load[:2], along, free, up))
 
     def ahead(weights: tuple[float, ...]) -> Moving:
-        parts = [(held.duration * w, s) for w, s in zip(weights, stages, strict=True) if w]
+        parts = [(inputs.duration * w, s) for w, s in zip(weights, stages, strict=True) if w]
         return Moving(
             tuple(
                 once(q + sum(w * s.at.velocity[i] for w, s in parts))
@@ -294,9 +299,9 @@ def _held_load(
     return Quadratic(first, 4 * middle - 3 * first - last, 2 * (first + last) - 4 * middle)
 
 
-def _upper_motion(held: Inputs, stages: _Stages, response: Response) -> single.Assumed:
+def _upper_motion(inputs: Inputs, stages: _Stages, response: Response) -> single.Assumed:
     """The upper carriage's assumed motion, as polynomials in the step's time."""
-    h = held.duration
+    h = inputs.duration
     return single.Assumed(
         branch=stages.upper,
         velocity=_assumed_velocity(h, stages, UPPER),
@@ -307,10 +312,10 @@ def _upper_motion(held: Inputs, stages: _Stages, response: Response) -> single.A
 
 
 def _pair_motion(
-    held: Inputs, stages: _Stages, responses: dict[int, Response], mass: Scalars
+    inputs: Inputs, stages: _Stages, responses: dict[int, Response], mass: Scalars
 ) -> Assumed:
     """The assumed motion of the lower carriage and the height, likewise."""
-    h = held.duration
+    h = inputs.duration
     loads = [_held_load(h, stages, i, responses[i].damped) for i in PAIR]
     return Assumed(
         branch=stages.pair,

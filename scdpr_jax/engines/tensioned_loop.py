@@ -12,11 +12,11 @@ stay what they are, with a tension that moves.
 from typing import NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from scdpr_jax.engines.stepping import Inputs, step
+from scdpr_jax import native
+from scdpr_jax.engines.stepping import Inputs, step, with_start
 from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.loop_elasticity import lengthening
@@ -89,32 +89,31 @@ def simulate_tensioned(
         return jnp.maximum(tensioner.setpoint + tensioner.loop_stiffness * longer, 0)
 
     def speed(pull: Float[Array, ""]) -> Float[Array, ""]:
-        wanted = tensioner.gain * (pull - tensioner.setpoint)
-        return jnp.clip(wanted, -tensioner.top_speed, tensioner.top_speed)
+        asked = tensioner.gain * (pull - tensioner.setpoint)
+        return jnp.clip(asked, -tensioner.top_speed, tensioner.top_speed)
 
     def advance(
+        _: None,
         carry: tuple[State, Float[Array, ""]],
         given: tuple[Inputs, Float[Array, ""], Float[Array, ""]],
     ) -> tuple[
         tuple[State, Float[Array, ""]], tuple[State, Float[Array, ""], Float[Array, ""]]
     ]:
         state, travel = carry
-        held, before, after = given
+        inputs, before, after = given
         pull = tension(state, travel, before)
-        half = Inputs(held.duration / 2, held.voltage, held.knock)
+        half = Inputs(inputs.duration / 2, inputs.voltage, inputs.knock)
         middle = step(_at(robot, pull), state, half)
-        halfway = travel + held.duration / 2 * speed(pull)
+        halfway = travel + inputs.duration / 2 * speed(pull)
         pull = tension(middle, halfway, (before + after) / 2)
-        following = step(_at(robot, pull), state, held)
-        moved = travel + held.duration * speed(pull)
+        following = step(_at(robot, pull), state, inputs)
+        moved = travel + inputs.duration * speed(pull)
         return (following, moved), (following, tension(following, moved, after), moved)
 
     none = jnp.zeros_like(tensioner.setpoint)
     first = (start, tension(start, none, creep[0]), none)
-    _, rest = lean_scan(advance, (start, none), (inputs, creep[:-1], creep[1:]))
-    return TensionedRun(
-        *jax.tree.map(lambda one, more: jnp.concatenate([one[None], more]), first, rest)
-    )
+    _, following = native.run(advance, None, (start, none), (inputs, creep[:-1], creep[1:]))
+    return TensionedRun(*with_start(first, following))
 
 
 def held_tension(

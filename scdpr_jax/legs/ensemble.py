@@ -16,10 +16,10 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from scdpr_jax.legs.starts import rest_out_of_line
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import replace, value
+from scdpr_jax.robot.state import State
 
 
 class Ensemble(eqx.Module):

@@ -9,9 +9,9 @@ from scdpr_jax.command.sensors import Encoder
 from scdpr_jax.engines.closed_loop import closed_loop
 from scdpr_jax.legs.command_law import Commands
 from scdpr_jax.legs.measures import LegMeasures, measure
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.state import State
 
 
 class Leg(eqx.Module):

@@ -10,9 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.parameters import Robot
-from scdpr_jax.robot.state import rest
+from scdpr_jax.robot.state import State, rest
 
 _GOLDEN = (np.sqrt(5) - 1) / 2
 """Multiples of it, without their whole part, fill an interval evenly whatever their number."""

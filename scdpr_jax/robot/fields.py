@@ -9,6 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from scdpr_jax.robot.stated.units import si as si
+
 
 def real(value: Any) -> Float[Array, "..."]:
     """A number or array-like as a floating-point array of the default precision.
@@ -23,19 +25,6 @@ def real(value: Any) -> Float[Array, "..."]:
     floating = jnp.issubdtype(array.dtype, jnp.floating)
     # An explicit type also strips weak typing, which would make a second call recompile.
     return jnp.asarray(array, dtype=array.dtype if floating else float)
-
-
-def si(unit: str, symbol: str = "") -> dict[str, str]:
-    """Metadata of a field: its SI unit and its symbol in the paper.
-
-    Args:
-        unit: SI unit as it is printed, "1" for none.
-        symbol: Symbol in TeX, without dollars.
-
-    Returns:
-        What `equinox.field(metadata=...)` takes.
-    """
-    return {"unit": unit, "symbol": symbol}
 
 
 def described(record: eqx.Module) -> str:

@@ -69,22 +69,22 @@ class State(eqx.Module):
     """Its time derivative [m/s, rad/s, m/s, m/s, m/s]."""
 
     @property
-    def pose(self) -> Float[Array, "... 2"]:
+    def pose(self) -> Pair:
         """The end-effector's place $[x_e, y_e]$ [m]."""
         return pose(self.position)
 
     @property
-    def tilt(self) -> Float[Array, "..."]:
+    def tilt(self) -> Float[Array | np.ndarray, "..."]:
         r"""The end-effector's rotation $\delta_e$ [rad]."""
         return self.position[..., TILT]
 
     @property
-    def carriages(self) -> Float[Array, "... 2"]:
+    def carriages(self) -> Pair:
         """The carriages' places $[q_3, q_4]$ [m]."""
         return carriages(self.position)
 
     @property
-    def driven(self) -> Float[Array, "... 2"]:
+    def driven(self) -> Pair:
         """What the driver pulleys follow, $[q_3, y_e]$ [m]."""
         return driven(self.position)
 

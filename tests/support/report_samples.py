@@ -20,8 +20,8 @@ from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.legs.leg import Leg
 from scdpr_jax.legs.measures import LegMeasures
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.state import State
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
 from tuning.result.prediction import Metrics, Prediction

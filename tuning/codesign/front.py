@@ -44,7 +44,7 @@ def front(
     designs: list[Designed] = []
     count = len(times)
     for number, time in enumerate(times):
-        found = co_design(
+        design = co_design(
             models,
             within,
             move_time=time,
@@ -52,11 +52,11 @@ def front(
             begin=designs[-1:],
             progress=progress.part(number / count, (number + 1) / count, f"{time:.3g} s"),
         )
-        if not found.keeps_voltage(limit):
+        if not design.keeps_voltage(limit):
             continue
-        if designs and found.vibration > designs[-1].vibration:
+        if designs and design.vibration > designs[-1].vibration:
             continue
-        designs.append(found)
+        designs.append(design)
     if not designs:
         raise ValueError(
             f"`move_times` are too short for the drives, got {times[-1]:.3g} s at the longest "
@@ -75,7 +75,7 @@ def knee(designs: Sequence[Designed]) -> Designed:
     Returns:
         One of its designs; the product's place doesn't depend on either unit.
     """
-    return min(designs, key=lambda one: one.move_time * one.vibration)
+    return min(designs, key=lambda design: design.move_time * design.vibration)
 
 
 def usual_move_times(models: Models, *, count: int) -> tuple[float, ...]:

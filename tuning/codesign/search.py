@@ -134,11 +134,11 @@ def co_design(
     few = models.rows(scattered(len(models), _FEW))
     progress("co-design: shapers of the catalogue", 0.0)
     objective = Objective(within, jnp.asarray(move_time), on)
-    known = [one.point for one in begin if one.point is not None]
+    points = [one.point for one in begin if one.point is not None]
     starts = _ranked(
         few,
         on,
-        [_Start(objective.law(jnp.asarray(point)), point) for point in known]
+        [_Start(objective.law(jnp.asarray(point)), point) for point in points]
         + _starts(models, within, move_time),
     )
     ended = []
@@ -266,8 +266,12 @@ def held_frequencies(models: Models) -> tuple[float, float, float]:
     Returns:
         The lowest, the median and the highest [Hz].
     """
-    found = _held(models)
-    return float(jnp.min(found)), float(jnp.median(found)), float(jnp.max(found))
+    frequencies = _held(models)
+    return (
+        float(jnp.min(frequencies)),
+        float(jnp.median(frequencies)),
+        float(jnp.max(frequencies)),
+    )
 
 
 @jax.jit
@@ -321,8 +325,8 @@ class Objective(NamedTuple):
         """
 
         def costs(point: Float[np.ndarray, " n"]) -> Float[np.ndarray, " models"]:
-            told = _command(jnp.asarray(point), self.within, self.move_time, on=self.on)
-            return np.asarray(run(models, told, self.on).cost)
+            commands = _command(jnp.asarray(point), self.within, self.move_time, on=self.on)
+            return np.asarray(run(models, commands, self.on).cost)
 
         def linearised(point: Float[np.ndarray, " n"], rows: np.ndarray):
             given = jnp.asarray(point), self.within, self.move_time
@@ -365,8 +369,8 @@ def _starts(models: Models, within: Admissible, move_time: float) -> list[_Start
         fits = shaper.times.size <= IMPULSES and float(shaper.duration) < move_time / 2
         if fits and bool(jnp.all(shaper.amplitudes > 0)):
             point = start(shaper, move_time=move_time, gains=share).flat()
-            told = shaped(controller, shaper, move_time=move_time)
-            starts.append(_Start(told, np.asarray(point)))
+            exactly = shaped(controller, shaper, move_time=move_time)
+            starts.append(_Start(exactly, np.asarray(point)))
     return starts
 
 

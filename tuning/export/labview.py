@@ -44,7 +44,9 @@ def shapers_table(description: Description) -> str:
         for end in ("low", "high")
     ]
     rows = [
-        row for number, known in enumerate(description.shapers) for row in _rows(number, known)
+        row
+        for number, regional in enumerate(description.shapers)
+        for row in _rows(number, regional)
     ]
     return _csv([["region [1]", *spans, "time [s]", "amplitude [1]"], *rows])
 

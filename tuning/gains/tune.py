@@ -98,13 +98,13 @@ def tune(
     Raises:
         ValueError: If a measured setting has no fitted pretension.
     """
-    known = _Nowhere() if frequencies is None else frequencies
-    settings = sorted({float(setting) for setting in known.pretension})
+    knocks = _Nowhere() if frequencies is None else frequencies
+    settings = sorted({float(setting) for setting in knocks.pretension})
     robots = {setting: exact(estimate.of_setting(f"{setting:g} N")) for setting in settings}
     if not settings:
         nominal = float(estimate.robot.cable.effective_pretension)
         settings, robots = [nominal], {nominal: exact(estimate.robot)}
-    cells = {s: cells_of(known, robots[s], pretension=s) for s in settings}
+    cells = {s: cells_of(knocks, robots[s], pretension=s) for s in settings}
     # The middle setting stands for the others where the gains are concerned.
     setting = settings[len(settings) // 2]
     reference = _reference_cell(cells[setting], robots[setting])
@@ -112,7 +112,7 @@ def tune(
     task = _task(robots[setting], height=_HEIGHT * float(robots[setting].frame.height))
     progress("gains that keep their margins", 0.0)
     within = admissible(list(robots.values()))
-    found = optimise(
+    optimum = optimise(
         task,
         within,
         leg_times=leg_times,
@@ -125,15 +125,15 @@ def tune(
         shapers += _shapers(
             cells[s],
             robots[s],
-            found.controller,
-            found.shaper,
+            optimum.controller,
+            optimum.shaper,
             reference,
             s == setting,
             leg_times,
         )
     progress("manoeuvres before and after", 0.9)
     predicted = tuple(
-        _predict(task, found.controller, found.shaper, leg_time, longest=max(leg_times))
+        _predict(task, optimum.controller, optimum.shaper, leg_time, longest=max(leg_times))
         for leg_time in leg_times
     )
     fitted = tuple(FittedSetting(s, robot) for s, robot in robots.items())
@@ -141,13 +141,13 @@ def tune(
     drive = robots[setting].drive
     plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
     return Tuning(
-        controller=found.controller,
-        margins=sampled_margins(plant, found.controller),
+        controller=optimum.controller,
+        margins=sampled_margins(plant, optimum.controller),
         shapers=tuple(shapers),
         predicted=predicted,
         robots=fitted,
-        worst_margins=worst_margins(margin_map(fitted, found.controller)),
-        notes=(*_other_modes(known, robots), *_notes(shapers, predicted)),
+        worst_margins=worst_margins(margin_map(fitted, optimum.controller)),
+        notes=(*_other_modes(knocks, robots), *_notes(shapers, predicted)),
     )
 
 
@@ -174,7 +174,7 @@ def _shapers(
     controller: PD,
     optimised: Shaper,
     reference: Cell,
-    own_setting: bool,
+    of_reference: bool,
     leg_times: tuple[float, ...],
 ) -> list[RegionalShaper]:
     """The best shaper of each cell; that of the reference cell is the optimised one."""
@@ -184,7 +184,7 @@ def _shapers(
     each = jax.tree.map(lambda *leaves: jnp.stack(leaves), *tasks)
     many = jax.tree.map(lambda leaf: jnp.repeat(leaf, len(candidates[0]), axis=0), each)
     tried = jax.tree.map(
-        lambda *leaves: jnp.stack(leaves), *(one for cell in candidates for one in cell)
+        lambda *leaves: jnp.stack(leaves), *(shaper for cell in candidates for shaper in cell)
     )
     total = np.zeros((len(cells), len(candidates[0])))
     for leg in leg_times:
@@ -197,8 +197,8 @@ def _shapers(
     chosen = []
     for cell, shapers, costs in zip(cells, candidates, total, strict=True):
         best = shapers[int(np.nanargmin(costs))]
-        own = own_setting and cell == reference
-        chosen.append(_regional(cell, optimised if own else best))
+        is_optimised = of_reference and cell == reference
+        chosen.append(_regional(cell, optimised if is_optimised else best))
     return chosen
 
 
@@ -276,13 +276,13 @@ def _predict(
     return Prediction(name, before, after, run_before, run_after)
 
 
-def _other_modes(known: Frequencies, robots: dict[float, Robot]) -> list[str]:
+def _other_modes(knocks: Frequencies, robots: dict[float, Robot]) -> list[str]:
     return [
-        f"The knock at x {known.x[row]:.2f} m, y {known.y[row]:.2f} m and {setting:g} N rings "
-        f"at {known.frequency[row]:.2f} Hz, in another mode than the sway that shapers are "
-        "for: it says nothing of them. Knock there anew, with the drives held."
+        f"The knock at x {knocks.x[row]:.2f} m, y {knocks.y[row]:.2f} m and {setting:g} N "
+        f"rings at {knocks.frequency[row]:.2f} Hz, in another mode than the sway that shapers "
+        "are for: it says nothing of them. Knock there anew, with the drives held."
         for setting, robot in robots.items()
-        for row in other_modes(known, robot, pretension=setting)
+        for row in other_modes(knocks, robot, pretension=setting)
     ]
 
 
@@ -296,8 +296,8 @@ def _notes(shapers: list[RegionalShaper], predicted: tuple[Prediction, ...]) -> 
         )
     for prediction in predicted:
         worse = [
-            told
-            for name, told in _JUDGED.items()
+            words
+            for name, words in _JUDGED.items()
             if getattr(prediction.after, name) > getattr(prediction.before, name)
         ]
         if worse:

@@ -132,12 +132,12 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
         bracketed = (below < 0) & usable
         middle = bad.copy()
         np.divide(good * below - bad * above, below - above, out=middle, where=bracketed)
-        found = slack(middle)
-        kept = found >= 0
+        between = slack(middle)
+        kept = between >= 0
         good, bad = np.where(kept, middle, good), np.where(kept, bad, middle)
         above, below = (
-            np.where(kept, found, above / 2),
-            np.where(kept, np.where(bracketed, below / 2, below), found),
+            np.where(kept, between, above / 2),
+            np.where(kept, np.where(bracketed, below / 2, below), between),
         )
     first = int(np.argmax(usable))
     last = first + int(np.argmin(np.append(usable[first:], False)))
@@ -153,13 +153,13 @@ def _slack(robots: Robot, heights: Float[Array, " heights"], pds: PD) -> Float[A
     """By how much the worst loop keeps its margins, relative to what it must [1]."""
 
     def worst(pd: PD) -> Float[Array, ""]:
-        found = margins_over_workspace(robots, heights, pd)
+        flexible = margins_over_workspace(robots, heights, pd)
         # A loop whose gain never reaches one has no phase margin, and none to worry about.
-        phase = jnp.nan_to_num(found.margins.phase_margin, nan=jnp.inf)
+        phase = jnp.nan_to_num(flexible.margins.phase_margin, nan=jnp.inf)
         least = jnp.minimum(
-            phase / PHASE_MARGIN, PEAK_SENSITIVITY / found.margins.peak_sensitivity
+            phase / PHASE_MARGIN, PEAK_SENSITIVITY / flexible.margins.peak_sensitivity
         )
-        stable = found.spectral_radius < 1
+        stable = flexible.spectral_radius < 1
         return jnp.min(jnp.where(stable, least, 0.0)) - 1
 
     return jax.lax.map(worst, pds)

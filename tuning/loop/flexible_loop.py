@@ -206,5 +206,5 @@ def resonances(robot: Robot, height: Float[Array, ""]) -> Float[Array, " modes"]
         Angular frequencies of all conditions of the carriages [rad/s].
     """
     conditions = [condition for condition in CONDITIONS if condition.lower is not Lower.FREE]
-    found = [natural_frequencies(robot, height, condition) for condition in conditions]
-    return 2 * jnp.pi * jnp.concatenate(found)
+    frequencies = [natural_frequencies(robot, height, condition) for condition in conditions]
+    return 2 * jnp.pi * jnp.concatenate(frequencies)

@@ -87,10 +87,10 @@ def flexible_margins(
     response = Response(functools.partial(flexible_loop, delay=delay), plant, controller)
     grid = _grid(robot, controller, special)
     # |L| = 1 and Im L = 0 are polynomials in cos(omega h) of no higher degree.
-    found = _least_margins(response, grid, most=plant.input.size + delay + 2)
+    margins = _least_margins(response, grid, most=plant.input.size + delay + 2)
     stable = radius < 1
     return FlexibleMargins(
-        margins=jax.tree.map(lambda leaf: jnp.where(stable, leaf, jnp.nan), found),
+        margins=jax.tree.map(lambda leaf: jnp.where(stable, leaf, jnp.nan), margins),
         spectral_radius=radius,
     )
 
@@ -118,8 +118,8 @@ def margins_over_workspace(
         return jax.vmap(jax.vmap(at, in_axes=(None, 0)), in_axes=(0, None))(motions(), robots)
 
     # Height by height, as all responses at once take gigabytes.
-    found = jax.lax.map(of_height, heights)
-    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, -1), found)
+    margins = jax.lax.map(of_height, heights)
+    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, -1), margins)
 
 
 def _grid(robot: Robot, controller: PD, special: Float[Array, " k"]) -> Float[Array, " points"]:
@@ -137,15 +137,15 @@ def _least_margins(response: Response, grid: Float[Array, " points"], *, most: i
     values = jax.vmap(response)(grid)
     of_gain = jnp.arange(2 * most) < most
     marks = (_gain_crosses(values), _phase_crosses(values))
-    index, found = map(
+    index, crosses = map(
         jnp.concatenate, zip(*(_first(mark, most=most) for mark in marks), strict=True)
     )
     at = jax.vmap(functools.partial(_crossing, response))(of_gain, grid[index], grid[index + 1])
     there = jax.vmap(response)(at)
 
-    lags = jnp.where(found & of_gain, jnp.angle(-there), jnp.nan)
+    lags = jnp.where(crosses & of_gain, jnp.angle(-there), jnp.nan)
     narrowest = _least(jnp.abs(lags))
-    gains = jnp.where(found & ~of_gain, 1 / jnp.abs(there), jnp.inf)
+    gains = jnp.where(crosses & ~of_gain, 1 / jnp.abs(there), jnp.inf)
     nearest = _least(jnp.abs(jnp.log(gains)))
     phase_crossover, gain_margin = with_nyquist(
         response,

@@ -123,8 +123,8 @@ def crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
 
 def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: bool) -> Margins:
     # The search itself needs no derivatives: only its results are evaluated with them.
-    nyquist, grid, held = grid[-1], *jax.lax.stop_gradient((grid, response))
-    values = jax.vmap(held)(grid)
+    nyquist, grid, constant = grid[-1], *jax.lax.stop_gradient((grid, response))
+    values = jax.vmap(constant)(grid)
     gain_crossover, phase_margin = _gain_crossover(response, grid, values)
     phase_crossover, gain_margin = _phase_crossover(response, grid, values)
     if at_nyquist:
@@ -166,10 +166,10 @@ def _gain_crossover(
     margin = _phase_over_half_turn(response, crossover)
     # More than a turn of lag must not come back as a positive margin.
     turns = jax.lax.stop_gradient(jnp.round((angles[index] - margin) / (2 * jnp.pi)))
-    found = crosses[index]
+    is_crossed = crosses[index]
     return (
-        jnp.where(found, crossover, jnp.nan),
-        jnp.where(found, margin + 2 * jnp.pi * turns, jnp.nan),
+        jnp.where(is_crossed, crossover, jnp.nan),
+        jnp.where(is_crossed, margin + 2 * jnp.pi * turns, jnp.nan),
     )
 
 
@@ -182,8 +182,8 @@ def _phase_crossover(
     index = jnp.argmin(jnp.where(crosses, distance, jnp.inf))
     crossover = root(_phase_over_half_turn, response, grid[index], grid[index + 1])
     margin = jnp.exp(-_log_gain(response, crossover))
-    found = crosses[index]
-    return jnp.where(found, crossover, jnp.nan), jnp.where(found, margin, jnp.inf)
+    is_crossed = crosses[index]
+    return jnp.where(is_crossed, crossover, jnp.nan), jnp.where(is_crossed, margin, jnp.inf)
 
 
 def with_nyquist(

@@ -63,7 +63,7 @@ class MarginMap:
     """Nominal settings [N]."""
     height: Float[np.ndarray, " heights"]
     """Heights of the end-effector [m]."""
-    found: FlexibleMargins
+    flexible: FlexibleMargins
     """Margins by loop, setting and height."""
 
 
@@ -91,34 +91,36 @@ def margin_map(robots: Sequence[Fitted], controller: PD) -> MarginMap:
     Returns:
         The map.
     """
-    stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *(one.robot for one in robots))
+    stacked = jax.tree.map(
+        lambda *leaves: jnp.stack(leaves), *(fitted.robot for fitted in robots)
+    )
     height = np.linspace(*reach(robots[0].robot), _HEIGHTS)
-    found = margins_over_workspace(stacked, jnp.asarray(height), controller)
-    return MarginMap(np.asarray([one.pretension for one in robots]), height, found)
+    flexible = margins_over_workspace(stacked, jnp.asarray(height), controller)
+    return MarginMap(np.asarray([fitted.pretension for fitted in robots]), height, flexible)
 
 
-def worst_margins(found: MarginMap) -> tuple[WorstMargin, ...]:
+def worst_margins(margins: MarginMap) -> tuple[WorstMargin, ...]:
     """The worst margins of a map.
 
     Args:
-        found: The map.
+        margins: The map.
 
     Returns:
         The least phase, delay and gain margin and the largest peak sensitivity; of a
         map with an unstable loop the largest spectral radius alone.
     """
-    radius = np.asarray(found.found.spectral_radius)
+    radius = np.asarray(margins.flexible.spectral_radius)
     if not np.all(radius < 1):
-        return (_at(found, "spectral_radius", radius, int(np.argmax(radius))),)
+        return (_at(margins, "spectral_radius", radius, int(np.argmax(radius))),)
     worst = []
     for name, choose in _JUDGED:
-        values = np.asarray(getattr(found.found.margins, name))
-        worst.append(_at(found, name, values, int(choose(values))))
+        values = np.asarray(getattr(margins.flexible.margins, name))
+        worst.append(_at(margins, name, values, int(choose(values))))
     return tuple(worst)
 
 
 def _at(
-    found: MarginMap,
+    margins: MarginMap,
     name: str,
     values: Float[np.ndarray, "loops settings heights"],
     index: int,
@@ -128,6 +130,6 @@ def _at(
         measure=name,
         value=float(values[loop, setting, height]),
         loop=JOINT_LOOPS[loop].name,
-        height=float(found.height[height]),
-        pretension=float(found.pretension[setting]),
+        height=float(margins.height[height]),
+        pretension=float(margins.pretension[setting]),
     )

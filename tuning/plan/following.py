@@ -5,9 +5,9 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from scdpr_jax import native
 from scdpr_jax.command.controller import PD, saturate
 from scdpr_jax.engines.stepping import Inputs, step
-from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.robot.kinematics import inverse_kinematics
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import State, driven
@@ -50,22 +50,24 @@ def follow(
     Returns:
         The run.
     """
-    radius = robot.drive.effective_radius
-    still = jnp.zeros((), dtype=period.dtype)
-
-    def advance(
-        state: State, motion: tuple[Motion, Motion]
-    ) -> tuple[State, tuple[State, Float[Array, "2"], Float[Array, "2"]]]:
-        now, ahead = motion
-        error = inverse_kinematics(now.position - state.driven, radius)
-        rate = inverse_kinematics(now.velocity - driven(state.velocity), radius)
-        forward = inverse_dynamics(robot, state, ahead)
-        voltage = (
-            forward + controller.proportional_gain * error + controller.derivative_gain * rate
-        )
-        inputs = Inputs(period, saturate(voltage, robot.drive.voltage_limit), still)
-        following = step(robot, state, inputs)
-        return following, (following, forward, voltage)
-
-    _, (states, forward, voltage) = lean_scan(advance, start, (instants, middles))
+    _, (states, forward, voltage) = native.run(
+        _advance, (robot, controller, period), start, (instants, middles)
+    )
     return Followed(states, forward, voltage)
+
+
+def _advance(
+    followed: tuple[Robot, PD, Float[Array, ""]],
+    state: State,
+    motion: tuple[Motion, Motion],
+) -> tuple[State, tuple[State, Float[Array, "2"], Float[Array, "2"]]]:
+    """An interval of the motion: where the robot ends, and its commands."""
+    (robot, controller, period), (now, ahead) = followed, motion
+    radius = robot.drive.effective_radius
+    error = inverse_kinematics(now.position - state.driven, radius)
+    rate = inverse_kinematics(now.velocity - driven(state.velocity), radius)
+    forward = inverse_dynamics(robot, state, ahead)
+    voltage = forward + controller.proportional_gain * error + controller.derivative_gain * rate
+    limited = saturate(voltage, robot.drive.voltage_limit)
+    following = step(robot, state, Inputs(period, limited, jnp.zeros_like(period)))
+    return following, (following, forward, voltage)

@@ -87,12 +87,12 @@ def read_plan(path: pathlib.Path) -> Plan:
 
 def _row(path: pathlib.Path, number: int, cells: list[str]) -> list[float]:
     try:
-        found = [float(cell) for cell in cells]
+        numbers = [float(cell) for cell in cells]
     except ValueError:
-        found = []
-    if len(found) != len(COLUMNS) or not np.all(np.isfinite(found)):
+        numbers = []
+    if len(numbers) != len(COLUMNS) or not np.all(np.isfinite(numbers)):
         raise ValueError(
             f"{path}, row {number}: got {','.join(cells)[:60]!r}, expected "
             f"{len(COLUMNS)} finite numbers. Write it anew with `scdpr plan`."
         )
-    return found
+    return numbers

@@ -99,9 +99,9 @@ def plan_leg(
         )
     first, last = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
     pace = chosen_pace(robot, first, last, leg_time)
-    found = _search(robot, controller, first, last, pace, iterations, progress)
+    coefficients = _search(robot, controller, first, last, pace, iterations, progress)
     progress("commands at the controller's period", 0.9)
-    return _at_full_rate(robot, controller, first, last, pace, found)
+    return _at_full_rate(robot, controller, first, last, pace, coefficients)
 
 
 def _search(

@@ -107,8 +107,8 @@ def other_modes(
     modes = [np.asarray(natural_frequencies(robot, jnp.asarray(y), BOTH_HELD)) for y in heights]
     return tuple(
         int(row)
-        for row, known in zip(rows, modes, strict=True)
-        if np.argmin(np.abs(np.log(known / frequencies.frequency[row]))) != 0
+        for row, frequency in zip(rows, modes, strict=True)
+        if np.argmin(np.abs(np.log(frequency / frequencies.frequency[row]))) != 0
     )
 
 

@@ -128,15 +128,15 @@ def held_mode(tuning: Tuning, pretension: float) -> HeldMode:
     """
     robot = tuning.robot_at(pretension).robot
     here = regions_at(tuning.shapers, pretension)
-    frequency = jnp.asarray([one.frequency for one in here])
-    band = jnp.asarray([one.band for one in here])
-    heights = jnp.asarray([one.height for one in here])
+    frequency = jnp.asarray([regional.frequency for regional in here])
+    band = jnp.asarray([regional.band for regional in here])
+    heights = jnp.asarray([regional.height for regional in here])
     return HeldMode(
         robot=robot,
         schedule=schedule_of(tuning.shapers, pretension),
         ratio=frequency / jax.vmap(held_frequency, (None, 0))(robot, heights),
         spread=(band[:, 1] - band[:, 0]) / (2 * frequency),
-        damping_ratio=jnp.asarray([one.damping_ratio for one in here]),
+        damping_ratio=jnp.asarray([regional.damping_ratio for regional in here]),
     )
 
 

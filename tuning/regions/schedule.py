@@ -159,12 +159,12 @@ def schedule_of(shapers: Sequence[RegionalShaper], pretension: float) -> Schedul
         ValueError: If no shaper is for that setting, or their regions aren't a grid.
     """
     here = regions_at(shapers, pretension)
-    most = max(one.shaper.times.size for one in here)
-    each = [padded(one.shaper, most) for one in here]
+    most = max(regional.shaper.times.size for regional in here)
+    each = [padded(regional.shaper, most) for regional in here]
     return Schedule(
         shaper=jax.tree.map(lambda *leaves: jnp.stack(leaves), *each),
-        columns=_hand_overs([one.region.x for one in here]),
-        rows=_hand_overs([one.region.y for one in here]),
+        columns=_hand_overs([regional.region.x for regional in here]),
+        rows=_hand_overs([regional.region.y for regional in here]),
     )
 
 
@@ -187,10 +187,10 @@ def regions_at(
     for (low, high), regions in grids.items():
         if low <= pretension <= high:
             return regions
-    known = ", ".join(f"{low:g} to {high:g} N" for low, high in grids) or "none"
+    settings = ", ".join(f"{low:g} to {high:g} N" for low, high in grids) or "none"
     raise ValueError(
-        f"`shapers` has none for {pretension:g} N, got: {known}. A shaper isn't carried over "
-        "from one pretension to another: name a setting that was tuned, or tune there."
+        f"`shapers` has none for {pretension:g} N, got: {settings}. A shaper isn't carried "
+        "over from one pretension to another: name a setting that was tuned, or tune there."
     )
 
 
@@ -208,10 +208,12 @@ def grids_of(
     Raises:
         ValueError: If the regions of a range aren't a grid.
     """
-    ranges = dict.fromkeys(one.region.pretension for one in shapers)
+    ranges = dict.fromkeys(regional.region.pretension for regional in shapers)
     return {
-        known: _in_rows([one for one in shapers if one.region.pretension == known])
-        for known in ranges
+        setting: _in_rows(
+            [regional for regional in shapers if regional.region.pretension == setting]
+        )
+        for setting in ranges
     }
 
 
@@ -236,14 +238,16 @@ def _hand_overs(spans: Sequence[Range]) -> HandOvers:
 
 
 def _in_rows(here: Sequence[RegionalShaper]) -> tuple[RegionalShaper, ...]:
-    ordered = tuple(sorted(here, key=lambda one: (one.region.y, one.region.x)))
-    columns, rows = (sorted({getattr(one.region, axis) for one in here}) for axis in "xy")
+    ordered = tuple(sorted(here, key=lambda regional: (regional.region.y, regional.region.x)))
+    columns, rows = (
+        sorted({getattr(regional.region, axis) for regional in here}) for axis in "xy"
+    )
     joined = all(
         low < line == above < high
         for spans in (columns, rows)
         for (low, line), (above, high) in itertools.pairwise(spans)
     )
-    cells = [(one.region.y, one.region.x) for one in ordered]
+    cells = [(regional.region.y, regional.region.x) for regional in ordered]
     if not joined or cells != list(itertools.product(rows, columns)):
         raise ValueError(
             f"the regions of `shapers` at {here[0].region.pretension[0]:g} N must be a grid, "

@@ -55,10 +55,10 @@ def tuning_document(tuning: Tuning) -> str:
                 field.name: _finite(float(getattr(tuning.margins, field.name)))
                 for field in dataclasses.fields(Margins)
             }
-            | {"flexible": [_worst(one) for one in tuning.worst_margins]},
+            | {"flexible": [_worst(margin) for margin in tuning.worst_margins]},
         },
         "shapers": [_shaper(regional) for regional in tuning.shapers],
-        "robots": [_robot(known) for known in tuning.robots],
+        "robots": [_robot(fitted) for fitted in tuning.robots],
         "predicted": {
             prediction.name: {
                 "before": dataclasses.asdict(prediction.before),
@@ -93,8 +93,8 @@ def read_tuning(path: pathlib.Path) -> Tuning:
     Raises:
         ValueError: If the file isn't what `scdpr tune` writes; says where.
     """
-    found = read_json(path, _Document, expected="a tuning.json", verb="tune")
-    gains = found.controller
+    document = read_json(path, _Document, expected="a tuning.json", verb="tune")
+    gains = document.controller
     return Tuning(
         controller=PD(
             gains.proportional_gain.value,
@@ -108,17 +108,17 @@ def read_tuning(path: pathlib.Path) -> Tuning:
                 for name, number in gains.margins.model_dump(exclude={"flexible"}).items()
             }
         ),
-        shapers=tuple(shaper.build() for shaper in found.shapers),
+        shapers=tuple(shaper.build() for shaper in document.shapers),
         predicted=tuple(
             Prediction(name, Metrics(**pair.before), Metrics(**pair.after))
-            for name, pair in found.predicted.items()
+            for name, pair in document.predicted.items()
         ),
-        robots=tuple(known.build() for known in found.robots),
+        robots=tuple(fitted.build() for fitted in document.robots),
         worst_margins=tuple(
             WorstMargin(**{**worst.model_dump(), "value": _told(worst)})
             for worst in gains.margins.flexible
         ),
-        notes=tuple(found.notes),
+        notes=tuple(document.notes),
     )
 
 
@@ -142,18 +142,18 @@ def _shaper(regional: RegionalShaper) -> dict[str, Any]:
     }
 
 
-def _robot(known: FittedSetting) -> dict[str, Any]:
+def _robot(fitted: FittedSetting) -> dict[str, Any]:
     return {
-        "pretension": {"value": known.pretension, "unit": "N"},
+        "pretension": {"value": fitted.pretension, "unit": "N"},
         "parameters": {
-            one.name: {"value": float(one.leaves(known.robot)[0]), "unit": one.unit}
-            for one in EVERY_QUANTITY
+            named.name: {"value": float(named.leaves(fitted.robot)[0]), "unit": named.unit}
+            for named in EVERY_QUANTITY
         },
     }
 
 
-def _worst(one: WorstMargin) -> dict[str, Any]:
-    return dataclasses.asdict(one) | {"value": _finite(one.value)}
+def _worst(margin: WorstMargin) -> dict[str, Any]:
+    return dataclasses.asdict(margin) | {"value": _finite(margin.value)}
 
 
 def _told(worst: "_WorstMargin") -> float:
@@ -276,7 +276,7 @@ class _Robot(pydantic.BaseModel):
 
     @pydantic.model_validator(mode="after")
     def _has_every_quantity(self) -> "_Robot":
-        missing = {one.name for one in QUANTITIES} - self.parameters.keys()
+        missing = {named.name for named in QUANTITIES} - self.parameters.keys()
         if missing:
             raise ValueError(f"without {sorted(missing)}, expected every quantity of the robot")
         for name, number in self.parameters.items():
@@ -296,10 +296,10 @@ class _Pair(pydantic.BaseModel):
 
     @pydantic.model_validator(mode="after")
     def _has_every_metric(self) -> "_Pair":
-        wanted = {field.name for field in dataclasses.fields(Metrics)}
+        metrics = {field.name for field in dataclasses.fields(Metrics)}
         for side in (self.before, self.after):
-            if set(side) != wanted:
-                raise ValueError(f"got {sorted(side)}, expected the metrics {sorted(wanted)}")
+            if set(side) != metrics:
+                raise ValueError(f"got {sorted(side)}, expected the metrics {sorted(metrics)}")
         return self
 
 

@@ -65,10 +65,10 @@ def _shortest(
     idle = (0, _ROOM - unit.times.size)
     # Idle impulses stand with the last one, which the vibration is measured at.
     times = jnp.pad(unit.times, idle, mode="edge")
-    left = np.asarray(
+    residual = np.asarray(
         _scaled(criterion, times, jnp.pad(unit.amplitudes, idle), jnp.asarray(frequency))
     )
-    return float(frequency[np.flatnonzero(left <= left.min() + FREE)[-1]])
+    return float(frequency[np.flatnonzero(residual <= residual.min() + FREE)[-1]])
 
 
 @jax.jit
@@ -98,8 +98,8 @@ def pick(candidates: list[Fitted]) -> Fitted:
         One of them.
     """
 
-    def price(one: Fitted) -> float:
-        spread = float(smoothing(one.shaper, acceleration=1.0))
-        return math.sqrt(spread * (one.residual**2 + WORTH**2))
+    def price(fit: Fitted) -> float:
+        spread = float(smoothing(fit.shaper, acceleration=1.0))
+        return math.sqrt(spread * (fit.residual**2 + WORTH**2))
 
-    return min((one for one in candidates if one.shaper.times.size > 2), key=price)
+    return min((fit for fit in candidates if fit.shaper.times.size > 2), key=price)

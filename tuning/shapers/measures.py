@@ -75,16 +75,18 @@ def insensitivity(
     ratios = np.linspace(0, 3, 3 * _POINTS)
     # A hump touches the tolerance: rounding mustn't end the band there.
     most = tolerance * (1 + 1e-9)
-    left = residual_of_modes(shaper, frequency * ratios, np.full_like(ratios, damping_ratio))
+    residual = residual_of_modes(
+        shaper, frequency * ratios, np.full_like(ratios, damping_ratio)
+    )
     nominal = int(np.argmin(np.abs(ratios - 1)))
-    if left[nominal] > most:
+    if residual[nominal] > most:
         return 0.0
-    outside = left > most
+    outside = residual > most
     above = nominal + int(np.argmax(outside[nominal:])) if outside[nominal:].any() else None
     below = nominal - int(np.argmax(outside[nominal::-1]))
 
     def crossing(inside: int, beyond: int) -> float:
-        share = (most - left[inside]) / (left[beyond] - left[inside])
+        share = (most - residual[inside]) / (residual[beyond] - residual[inside])
         return float(ratios[inside] + share * (ratios[beyond] - ratios[inside]))
 
     high = float(ratios[-1]) if above is None else crossing(above - 1, above)

@@ -45,8 +45,8 @@ def continued_root(
     def solve_linear(function: _Function, y: Float[Array, " n"]) -> Float[Array, " n"]:
         return jnp.linalg.solve(jax.jacfwd(function)(y), y)
 
-    found = jax.lax.stop_gradient(jax.lax.fori_loop(0, _STAGES * _STEPS, stage, start))
+    solution = jax.lax.stop_gradient(jax.lax.fori_loop(0, _STAGES * _STEPS, stage, start))
     # Solved already: this only tells how the root moves with what the equations hold.
     return jax.lax.custom_root(
-        lambda x: equations(x, parameter), found, lambda _, x: x, solve_linear
+        lambda x: equations(x, parameter), solution, lambda _, x: x, solve_linear
     )

@@ -41,19 +41,21 @@ def shaper_document(file: SpectrumFile, design: SpectrumDesign) -> str:
         },
         "design_damping_ratio": design.damping_ratio,
         "picked_from_catalogue": design.picked.entry.name,
-        "compared": {one.fit.entry.name: _compared(one) for one in design.compared},
+        "compared": {
+            comparison.fit.entry.name: _compared(comparison) for comparison in design.compared
+        },
         "front": [_designed(each) for each in design.front],
     }
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
-def _compared(one: Compared) -> dict[str, Any]:
-    fit = one.fit
+def _compared(comparison: Compared) -> dict[str, Any]:
+    fit = comparison.fit
     return {
         **_impulses(fit.shaper, fit.residual, fit.entry.name),
         "frequency": {"value": fit.frequency, "unit": "Hz"},
-        "optimised_of_same_duration": _designed(one.same_duration),
-        "optimised_of_same_vibration": _designed(one.same_vibration),
+        "optimised_of_same_duration": _designed(comparison.same_duration),
+        "optimised_of_same_vibration": _designed(comparison.same_vibration),
     }
 
 

@@ -102,21 +102,21 @@ def design_for_spectrum(
         same = in_duration(float(fit.shaper.duration), [*starts, nothing.shaper])
         shorter = within(fit.residual, [*starts, same.shaper])
         compared.append(Compared(fit, same, shorter))
-    known = [shaper for one in compared for shaper in (one.same_duration.shaper,)]
+    near = [shaper for comparison in compared for shaper in (comparison.same_duration.shaper,)]
     front = []
     shortest = min(float(shaper.duration) for shaper in starts)
     for number, duration in enumerate(np.geomspace(shortest, enough, _FRONT)[:-1]):
         progress("duration against vibration", 0.75 + 0.2 * number / _FRONT)
-        front.append(in_duration(float(duration), known))
+        front.append(in_duration(float(duration), near))
     progress("the recommended one", 0.95)
     picked = pick(fits)
-    chosen = next(one for one in compared if one.fit is picked)
+    chosen = next(comparison for comparison in compared if comparison.fit is picked)
     if max_vibration is not None:
-        recommended = within(max_vibration, [*starts, *known])
+        recommended = within(max_vibration, [*starts, *near])
         if max_duration is not None and float(recommended.shaper.duration) > max_duration:
-            recommended = in_duration(max_duration, [*starts, *known])
+            recommended = in_duration(max_duration, [*starts, *near])
     elif max_duration is not None:
-        recommended = in_duration(max_duration, [*starts, *known])
+        recommended = in_duration(max_duration, [*starts, *near])
     else:
         recommended = chosen.same_duration
     return SpectrumDesign(

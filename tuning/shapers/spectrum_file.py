@@ -120,12 +120,12 @@ def _place_of_frequency(path: pathlib.Path, names: list[str]) -> int:
 
 def _places_of_density(path: pathlib.Path, names: list[str], column: str | None) -> list[int]:
     densities = [n for n, name in enumerate(names) if _DENSITY.fullmatch(name)]
-    wanted = column or (_TOTAL if _TOTAL in names else None)
-    if wanted is not None:
-        densities = [n for n, name in enumerate(names) if name == wanted]
+    chosen = column or (_TOTAL if _TOTAL in names else None)
+    if chosen is not None:
+        densities = [n for n, name in enumerate(names) if name == chosen]
     if not densities:
         raise ValueError(
-            f"{path}, row 1: no column {wanted or 'psd…'!r}, got {','.join(names)[:80]!r}, "
+            f"{path}, row 1: no column {chosen or 'psd…'!r}, got {','.join(names)[:80]!r}, "
             "expected a power spectral density such as 'psd_xyz'. Name the column with "
             "`--column`."
         )

@@ -25,7 +25,7 @@ def margin_curves(found: MarginMap) -> Figure:
     """
     figure = style.new_figure(height=4.0)
     left, right = figure.subplots(1, 2)
-    margins = found.found.margins
+    margins = found.flexible.margins
     _curves(left, found, np.degrees(np.asarray(margins.phase_margin)))
     _curves(right, found, np.asarray(margins.peak_sensitivity))
     left.axhline(_SAFE_PHASE, color=style.GREY, ls=":", lw=1.2)

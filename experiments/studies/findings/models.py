@@ -43,7 +43,7 @@ def combination_sentences(identifiable: Identifiability) -> tuple[str, ...]:
     Returns:
         A sentence on each combination that they don't tell; on the worst one otherwise.
     """
-    untold = identifiable.untold()
+    untold = identifiable.undetermined()
     if not untold:
         worst = identifiable.combinations[-1]
         return (

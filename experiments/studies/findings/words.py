@@ -180,7 +180,7 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> tuple[str, ...]:
         told.append(
             f"The camera's clock was unknown and estimated, camera minus drive: {listed}."
         )
-    if estimate.clock_drifts and drifts:
+    if estimate.options.clock_drifts and drifts:
         told.append(
             f"By the fit the cameras' clocks run {plain(min(drifts), 3)} to "
             f"{plain(max(drifts), 3)} ppm faster than the drives'."

@@ -3,26 +3,41 @@
 import pathlib
 
 from experiments.verbs.console import OUT, Folder, suggest, wrote
-from experiments.verbs.exit_status import DONE
+from experiments.verbs.exit_status import BAD_INPUT, DONE
 from experiments.verbs.places import require_outside
 
 
-def frequencies(campaign: Folder, /, out: pathlib.Path, skip_bad_runs: bool = False) -> int:
+def frequencies(
+    campaign: Folder,
+    /,
+    out: pathlib.Path,
+    skip_bad_runs: bool = False,
+    accept: tuple[str, ...] = (),
+) -> int:
     """Find natural frequency and damping of every knock.
 
     Args:
         campaign: Folder of the campaign, format 1.
         out: Folder for frequencies.csv.
         skip_bad_runs: Go on without runs that have faults, and say which.
+        accept: Contradictions of the log doctor to go on with, by their identifiers.
     """
     from experiments.reports import summary
+    from experiments.verbs.log_doctor import examined
     from identification.campaign import read_campaign
     from identification.knocks.frequency_map import frequency_map, write_frequencies
 
     require_outside(out, campaign)
-    found = frequency_map(read_campaign(campaign, skip_bad_runs=skip_bad_runs))
+    read = examined(
+        read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="frequencies"
+    )
+    if read is None:
+        return BAD_INPUT
+    found = frequency_map(read)
     write_frequencies(found, out / "frequencies.csv")
     summary.show_frequencies(OUT, found)
+    for note in read.accepted:
+        OUT.print(f"note: {note}", markup=False)
     wrote(out / "frequencies.csv")
     suggest(f"scdpr tune --parameters P --frequencies {out / 'frequencies.csv'} --out {out}")
     return DONE

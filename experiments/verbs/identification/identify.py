@@ -4,7 +4,7 @@ import pathlib
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
-from experiments.verbs.exit_status import DONE
+from experiments.verbs.exit_status import BAD_INPUT, DONE
 from experiments.verbs.places import require_outside
 
 
@@ -20,6 +20,7 @@ def identify(
     profile: bool = False,
     leave_out: bool = False,
     posterior: bool = False,
+    accept: tuple[str, ...] = (),
 ) -> int:
     """Estimate the robot's parameters from all runs of a campaign.
 
@@ -43,10 +44,13 @@ def identify(
             that is a step of a fit, which is as good where the residuals are noise.
         posterior: Sample what the logs leave possible, too, by Hamiltonian Monte Carlo begun
             at the fit. Takes minutes; needs the extra `bayes`.
+        accept: Contradictions of the log doctor to go on with, by their identifiers;
+            parameters.json carries them.
     """
     set_up()
     from experiments.reports import summary
     from experiments.studies.findings import findings
+    from experiments.verbs.log_doctor import examined
     from identification.campaign import read_campaign
     from identification.checks.leave_out import without_each_run
     from identification.checks.posterior import posterior as sampled
@@ -64,20 +68,26 @@ def identify(
     options = FitOptions(
         free=free or DEFAULT_FREE,
         hold_out=hold_out,
-        measured=map(parse_measured, measured),
+        measured=tuple(map(parse_measured, measured)),
         clock_drifts=camera_drifts,
     )
-    read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    read = examined(
+        read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="identify"
+    )
+    if read is None:
+        return BAD_INPUT
     with shown_progress(ERRORS) as progress:
         found = (estimate if free else select)(read, options, progress=progress)
         traced = traced_profiles(read, found) if profile else ()
         if leave_out:
             found = without_each_run(read, found, progress=progress)
         drawn = sampled(read, found, progress=progress) if posterior else None
-    write_parameters(out / "parameters.json", found, traced, drawn)
+    write_parameters(out / "parameters.json", found, traced, drawn, read.accepted)
     told = findings(found, campaign=read)
     summary.show(OUT, told, profiles=traced, posterior=drawn)
     summary.show_influence(OUT, told)
+    for note in read.accepted:
+        OUT.print(f"note: {note}", markup=False)
     wrote(out / "parameters.json")
     suggest(f"scdpr frequencies {campaign} --out {out}")
     return DONE

@@ -4,7 +4,7 @@ import pathlib
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, plan_call, suggest, wrote
-from experiments.verbs.exit_status import DONE
+from experiments.verbs.exit_status import BAD_INPUT, DONE
 from experiments.verbs.places import require_outside
 
 
@@ -17,6 +17,7 @@ def calibrate(
     hold_out: tuple[str, ...] | None = None,
     measured: tuple[str, ...] = (),
     camera_drifts: bool = False,
+    accept: tuple[str, ...] = (),
 ) -> int:
     """Check a campaign, identify the robot, map its frequencies, tune it, and report.
 
@@ -33,17 +34,24 @@ def calibrate(
         measured: What was measured otherwise, "NAME = VALUE +- STANDARD ERROR [at PLACE]",
             see `scdpr identify --help`.
         camera_drifts: Whether the cameras' clocks may run faster or slower than the drives'.
+        accept: Contradictions of the log doctor to go on with, by their identifiers; the
+            report and parameters.json carry them.
     """
     set_up()
     from experiments.reports import summary
     from experiments.reports.written_files import write_calibration
     from experiments.studies import pipeline
+    from experiments.verbs.log_doctor import examined
     from identification.campaign import read_campaign
     from identification.fit.unknowns.measured_text import parse_measured
 
     require_outside(out, campaign)
     otherwise = tuple(map(parse_measured, measured))
-    read = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    read = examined(
+        read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="calibrate"
+    )
+    if read is None:
+        return BAD_INPUT
     with shown_progress(ERRORS) as progress:
         findings = pipeline.calibrate(
             read,

@@ -4,25 +4,11 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from jaxtyping import Float64
 
-from identification.campaign.notes.note import Note, Observation, rig_value, share
+from identification.campaign.notes.note import Note, Observation, early_motion, rig_value, share
 from identification.campaign.read import RUN_FILE
 from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
 from identification.campaign.types import Campaign, Run, encoder_resolution
-from scdpr_jax.robot.state import pose
-
-
-def _extra_columns(run: Run, campaign: Campaign) -> Iterator[Note]:
-    for file, stream in ((DRIVE_FILE, run.drive), (CAMERA_FILE, run.camera)):
-        if stream is None or not stream.extra:
-            continue
-        yield Note(
-            file=f"{run.name}/{file}",
-            what=f"columns that are kept and ignored: {', '.join(stream.extra)}",
-            cause="The format has no column of these names.",
-            remedy="Nothing to do, unless one of them is a misspelt column of the format.",
-        )
 
 
 def _sampling(run: Run, campaign: Campaign) -> Iterator[Note]:
@@ -33,7 +19,6 @@ def _sampling(run: Run, campaign: Campaign) -> Iterator[Note]:
     if odd.any():
         worst = int(np.argmax(np.abs(steps - period)))
         yield Note(
-            file=f"{run.name}/{DRIVE_FILE}",
             what=f"irregular sampling: {share(odd)} of the steps are off the period of "
             f"{period * 1e3:.4g} ms, one of {steps[worst] * 1e3:.4g} ms at "
             f"t = {run.drive.time[worst]:.4g} s",
@@ -50,7 +35,6 @@ def _voltage_limit(run: Run, campaign: Campaign) -> Iterator[Note]:
     stated = "of [robot]" if "voltage_limit" in campaign.robot else "of the paper's rig"
     if beyond.any():
         yield Note(
-            file=f"{run.name}/{DRIVE_FILE}",
             what=f"voltage beyond the limit {stated}: {largest.max():.4g} V, limit "
             f"{limit:.4g} V, in {share(beyond)} of the samples",
             cause="The command was logged before saturation, or the limit is another one.",
@@ -58,7 +42,6 @@ def _voltage_limit(run: Run, campaign: Campaign) -> Iterator[Note]:
         )
     elif clipped.any():
         yield Note(
-            file=f"{run.name}/{DRIVE_FILE}",
             what=f"voltage clipped at the limit {stated}, {limit:.4g} V, in "
             f"{share(clipped)} of the samples",
             cause="The drive gave all it had: the controller's loop was open for that time.",
@@ -76,16 +59,14 @@ def _encoder(run: Run, campaign: Campaign) -> Iterator[Note]:
         counts = travel[motor] / step
         if counts < 20:  # at fewer, the rounding is 5 % of the travel
             yield Note(
-                file=f"{run.name}/{DRIVE_FILE}",
                 what=f"encoder counts not resolved: `alpha_{motor + 1}` moves by "
                 f"{counts:.3g} counts of {step * 1e3:.3g} mrad while its motor is driven",
                 cause="The motion is lost in the encoder's rounding, or isn't logged at all.",
                 remedy="Check the encoder and `counts_per_rev`, or drive it harder.",
             )
-    yield from _encoder_jumps(run)
 
 
-def _encoder_jumps(run: Run) -> Iterator[Note]:
+def _encoder_jumps(run: Run, campaign: Campaign) -> Iterator[Note]:
     speed = np.abs(np.diff(run.drive.angle, axis=0) / np.diff(run.drive.time)[:, None])
     # 1000 rad/s at the pulley is 9500 turns a minute: no geared drive gets there.
     rows, motors = np.nonzero(speed > 1000)
@@ -93,7 +74,6 @@ def _encoder_jumps(run: Run) -> Iterator[Note]:
         row, motor = int(rows[0]), int(motors[0])
         jump = run.drive.angle[row + 1, motor] - run.drive.angle[row, motor]
         yield Note(
-            file=f"{run.name}/{DRIVE_FILE}",
             what=f"`alpha_{motor + 1}` jumps by {jump:.4g} rad at "
             f"t = {run.drive.time[row]:.4g} s, and {rows.size - 1} times more",
             cause="A counter that overflowed, or a lost encoder line.",
@@ -104,15 +84,21 @@ def _encoder_jumps(run: Run) -> Iterator[Note]:
 def _knock(run: Run, campaign: Campaign) -> Iterator[Note]:
     if run.kind == "pseudo_impulse" and run.knock is None:
         yield Note(
-            file=f"{run.name}/{RUN_FILE}",
             what="a pseudo-impulse without [knock]",
             cause="When the end-effector was knocked isn't known.",
             remedy="Add [knock] with its start and duration.",
         )
 
 
-def _excitation_start(run: Run) -> float | None:
-    """Time of the first command or knock [s], None if there is none."""
+def excitation_start(run: Run) -> float | None:
+    """Time of a run's first command or knock.
+
+    Args:
+        run: The run.
+
+    Returns:
+        The time [s], None if there is none.
+    """
     commanded = np.flatnonzero(np.any(run.drive.voltage != 0, axis=1))
     starts = [] if commanded.size == 0 else [float(run.drive.time[commanded[0]])]
     if run.knock is not None:
@@ -120,68 +106,59 @@ def _excitation_start(run: Run) -> float | None:
     return min(starts, default=None)
 
 
-def _rest(run: Run, campaign: Campaign) -> Iterator[Note]:
-    start = _excitation_start(run)
-    if start is None:
-        if run.kind == "pseudo_impulse" and run.knock is None:
-            return
+def _no_excitation(run: Run, campaign: Campaign) -> Iterator[Note]:
+    is_noted = run.kind == "pseudo_impulse" and run.knock is None
+    if excitation_start(run) is None and not is_noted:
         yield Note(
-            file=f"{run.name}/{DRIVE_FILE}",
             what="nothing is commanded and nothing is knocked in the whole run",
             cause="A run without excitation tells nothing but the noise.",
             remedy="Check the logged voltage, or leave the run out.",
         )
+
+
+def _no_rest(run: Run, campaign: Campaign) -> Iterator[Note]:
+    start = excitation_start(run)
+    if start is None:
         return
     rest = start - float(run.drive.time[0])
     if rest < 0.05:  # shorter than two frames of a camera at 30 fps
         yield Note(
-            file=f"{run.name}/{DRIVE_FILE}",
             what=f"no rest at the start: the first command comes after {rest * 1e3:.3g} ms",
             cause="That the run starts at rest can't be seen, nor where it starts.",
             remedy="Log at least 0.1 s before the first command.",
         )
-    yield from _early_motion(run, campaign, start)
 
 
-def _early_motion(run: Run, campaign: Campaign, start: float) -> Iterator[Note]:
-    still = run.drive.time <= start
-    travel = float(np.ptp(run.drive.angle[still], axis=0).max())
+def _early_motion(run: Run, campaign: Campaign) -> Iterator[Note]:
+    start = excitation_start(run)
+    if start is None:
+        return
+    travel = float(np.ptp(run.drive.angle[run.drive.time <= start], axis=0).max())
     tolerance = 8 * campaign.sensors.encoder_sigma  # noise spans some 6 to 8 of its sigma
     if campaign.counts_per_rev is not None:
         tolerance = max(tolerance, 2 * encoder_resolution(campaign.counts_per_rev))
     if travel > tolerance:
-        yield _moves_early(run, DRIVE_FILE, f"a pulley turns by {travel * 1e3:.3g} mrad", start)
-    if run.camera is None or run.clock_offset is None:
-        return
-    still = run.camera.time - run.clock_offset <= start
-    travel = _span(pose(run.camera.position[still]))
-    if travel > 8 * campaign.sensors.camera_position_sigma:
-        yield _moves_early(
-            run, CAMERA_FILE, f"the end-effector moves by {travel * 1e3:.3g} mm", start
+        yield early_motion(f"a pulley turns by {travel * 1e3:.3g} mrad", start)
+
+
+def _no_camera(run: Run, campaign: Campaign) -> Iterator[Note]:
+    if run.camera is None and run.kind != "motor_step":
+        yield Note(
+            what=f"no {CAMERA_FILE}",
+            cause="Without the camera, only the drive's side of this run counts.",
+            remedy="Add the vision system's stream if there is one.",
         )
 
 
-def _span(positions: Float64[np.ndarray, "rows columns"]) -> float:
-    """Largest difference inside a column, 0 where nothing was seen."""
-    seen = [column[~np.isnan(column)] for column in positions.T]
-    return max((float(np.ptp(column)) for column in seen if column.size), default=0.0)
-
-
-def _moves_early(run: Run, file: str, motion: str, start: float) -> Note:
-    return Note(
-        file=f"{run.name}/{file}",
-        what=f"moves before anything is commanded: {motion} before t = {start:.4g} s",
-        cause="An amplifier's offset, a start that wasn't at rest, or clocks that disagree.",
-        remedy="Trim the amplifier, wait for standstill, check clock_offset and [knock].",
-    )
-
-
-DRIVE_OBSERVATIONS: tuple[Observation, ...] = (
-    _extra_columns,
-    _sampling,
-    _voltage_limit,
-    _encoder,
-    _knock,
-    _rest,
+DRIVE_OBSERVATIONS: tuple[tuple[str, Observation], ...] = (
+    (DRIVE_FILE, _sampling),
+    (DRIVE_FILE, _voltage_limit),
+    (DRIVE_FILE, _encoder),
+    (DRIVE_FILE, _encoder_jumps),
+    (RUN_FILE, _knock),
+    (DRIVE_FILE, _no_excitation),
+    (DRIVE_FILE, _no_rest),
+    (DRIVE_FILE, _early_motion),
+    ("", _no_camera),
 )
-"""Everything that is looked at, in the order in which it is told."""
+"""What is looked at in every run, in the order of the notes, with the file that it is about."""

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from identification.campaign.types import Campaign, Run
-from scdpr_jax.robot.prototype import PROVENANCE
+from scdpr_jax.robot.stated.numbers import PROVENANCE
 
 _TYPICAL = {source.name: source.consistent for source in PROVENANCE}
 
@@ -16,7 +16,7 @@ _TYPICAL = {source.name: source.consistent for source in PROVENANCE}
 class Note:
     """Something that is worth knowing, and no fault."""
 
-    file: str
+    file: str = ""
     """The file, relative to the campaign's folder; of several, the first and how many."""
     what: str
     """What was seen, with its figures."""
@@ -30,7 +30,24 @@ class Note:
 
 
 Observation = Callable[[Run, Campaign], Iterator[Note]]
-"""What looks at a run and notes what it sees."""
+"""What looks at a run and notes what it sees, without the file."""
+
+
+def early_motion(motion: str, start: float) -> Note:
+    """The note of a motion before its cause, whichever sensor shows it.
+
+    Args:
+        motion: What moves, and how far.
+        start: Time of the first command or knock [s].
+
+    Returns:
+        The note.
+    """
+    return Note(
+        what=f"moves before anything is commanded: {motion} before t = {start:.4g} s",
+        cause="An amplifier's offset, a start that wasn't at rest, or clocks that disagree.",
+        remedy="Trim the amplifier, wait for standstill, check clock_offset and [knock].",
+    )
 
 
 def share(flags: Bool[np.ndarray, " _"]) -> str:

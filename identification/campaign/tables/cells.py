@@ -1,9 +1,9 @@
 """The cells of a CSV file, one by one: the number in each, or what is wrong with it."""
 
+import dataclasses
 import math
 import re
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 from identification.campaign.faults import Fault
 from identification.campaign.tables.columns import Scale
@@ -11,14 +11,8 @@ from identification.campaign.tables.header import Header
 
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,6}))?", re.ASCII)
 
-
-class Row(NamedTuple):
-    """A row of a CSV file."""
-
-    line: int
-    """Line in the file, from 1."""
-    cells: tuple[str, ...]
-    """Its cells as they are written."""
+Row = tuple[int, Sequence[str]]
+"""A row of a CSV file: its line, from 1, and its cells as they are written."""
 
 
 def cell_number(cell: str, scale: Scale, *, may_be_empty: bool) -> float | None:
@@ -42,81 +36,68 @@ def cell_number(cell: str, scale: Scale, *, may_be_empty: bool) -> float | None:
     return number if math.isfinite(number) else None
 
 
-class CellFaults:
-    """The faults of a table, cell by cell in the order of its rows."""
+def cell_faults(header: Header, body: Sequence[Row], *, may_be_empty: bool) -> Iterator[Fault]:
+    """Everything that is wrong with the rows below a header, row by row.
 
-    def __init__(self, header: Header, file: str, *, may_be_empty: bool):
-        self._header = header
-        self._file = file
-        self._optional = {
-            place: may_be_empty and name != "t" for place, name in header.names.items()
-        }
-        self._last = (-math.inf, "")
+    Args:
+        header: The header.
+        body: The rows below it.
+        may_be_empty: Whether a cell other than time's may be empty.
 
-    def of(self, body: Sequence[Row]) -> Iterator[Fault]:
-        """Everything that is wrong with the rows below the header."""
-        for row in body:
-            if len(row.cells) != len(self._header.cells):
-                yield self._width(row)
-                continue
-            for place in self._header.names:
-                yield from self._cell(row, place)
+    Yields:
+        The faults.
+    """
+    before, time = "", -math.inf
+    for line, cells in body:
+        if len(cells) != len(header.cells):
+            yield dataclasses.replace(_width(len(cells), len(header.cells)), row=line)
+            continue
+        for place, column in header.columns.items():
+            text, fault = cells[place].strip(), None
+            optional = may_be_empty and column.name != "t"
+            value = cell_number(text, header.scale(place), may_be_empty=optional)
+            if value is None:
+                fault = _no_number(cells[place], optional=optional)
+            elif column.name == "t":
+                fault = None if value > time else _not_increasing(text, before)
+                # Against the row before, so that one jump is one fault.
+                before, time = text, value
+            if fault is not None:
+                yield dataclasses.replace(fault, row=line, column=header.cells[place])
 
-    def _cell(self, row: Row, place: int) -> Iterator[Fault]:
-        text = row.cells[place].strip()
-        scale, optional = self._header.scales[place], self._optional[place]
-        value = cell_number(text, scale, may_be_empty=optional)
-        if value is None:
-            yield self._no_number(row, place, text)
-        elif self._header.names[place] == "t":
-            if not value > self._last[0]:
-                yield self._not_increasing(row, place, text)
-            # Against the row before, so that one jump is one fault.
-            self._last = (value, text)
 
-    def _width(self, row: Row) -> Fault:
-        width = len(self._header.cells)
-        remedy = "Complete or delete the row; a log that was cut off ends in such a one."
-        if len(row.cells) > width:
-            remedy = "Write decimals with a point, and no comma inside a cell or at the end."
-        return Fault(
-            what="a row of another length than the header",
-            file=self._file,
-            row=row.line,
-            got=f"{len(row.cells)} cells",
-            expected=f"{width} cells",
-            remedy=remedy,
-        )
+def _width(width: int, expected: int) -> Fault:
+    remedy = "Complete or delete the row; a log that was cut off ends in such a one."
+    if width > expected:
+        remedy = "Write decimals with a point, and no comma inside a cell or at the end."
+    return Fault(
+        what="a row of another length than the header",
+        got=f"{width} cells",
+        expected=f"{expected} cells",
+        remedy=remedy,
+    )
 
-    def _no_number(self, row: Row, place: int, text: str) -> Fault:
-        what = "not a number"
-        remedy = "Correct the cell, or delete the row; time may have gaps."
-        if text == "":
-            what = "an empty cell"
-        elif _is_not_finite(text):
-            what = "not a finite number"
-        if self._optional[place]:
-            remedy = "Leave the cell empty where the marker was lost."
-        return Fault(
-            what=what,
-            file=self._file,
-            row=row.line,
-            column=self._header.cells[place],
-            got=repr(row.cells[place]),
-            expected="a finite decimal number",
-            remedy=remedy,
-        )
 
-    def _not_increasing(self, row: Row, place: int, text: str) -> Fault:
-        return Fault(
-            what="time doesn't increase",
-            file=self._file,
-            row=row.line,
-            column=self._header.cells[place],
-            got=f"{text} after {self._last[1]}",
-            expected="a later time in every row",
-            remedy="Delete repeated rows; split the log where the clock was set back.",
-        )
+def _no_number(cell: str, *, optional: bool) -> Fault:
+    what = "not a finite number" if _is_not_finite(cell) else "not a number"
+    remedy = "Correct the cell, or delete the row; time may have gaps."
+    if optional:
+        remedy = "Leave the cell empty where the marker was lost."
+    return Fault(
+        what=what if cell.strip() else "an empty cell",
+        got=repr(cell),
+        expected="a finite decimal number",
+        remedy=remedy,
+    )
+
+
+def _not_increasing(text: str, before: str) -> Fault:
+    return Fault(
+        what="time doesn't increase",
+        got=f"{text} after {before}",
+        expected="a later time in every row",
+        remedy="Delete repeated rows; split the log where the clock was set back.",
+    )
 
 
 def _is_not_finite(text: str) -> bool:

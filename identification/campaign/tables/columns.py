@@ -39,6 +39,12 @@ LENGTH = {"m": Scale(), "cm": Scale(-2), "mm": Scale(-3)}
 """Units of length."""
 ANGLE = {"rad": Scale(), "deg": Scale(factor=math.pi / 180)}
 """Units of an angle."""
+TURN = {**ANGLE, "rev": Scale(factor=2 * math.pi)}
+"""Units of the angle of what turns round."""
+VOLTAGE = {"V": Scale(), "mV": Scale(-3)}
+"""Units of a voltage."""
+CURRENT = {"A": Scale(), "mA": Scale(-3)}
+"""Units of a current."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,19 +89,17 @@ def drive_columns(counts_per_rev: float | None) -> tuple[Column, ...]:
     Returns:
         The columns; angles may be in counts if the counts of a turn are known.
     """
-    volts = {"V": Scale(), "mV": Scale(-3)}
-    amperes = {"A": Scale(), "mA": Scale(-3)}
-    turns = {**ANGLE, "rev": Scale(factor=2 * math.pi)}
+    angle = TURN
     if counts_per_rev is not None:
-        turns["count"] = Scale(factor=encoder_resolution(counts_per_rev))
+        angle = {**TURN, "count": Scale(factor=encoder_resolution(counts_per_rev))}
     return (
         Column("t", TIME),
-        Column("voltage_1", volts),
-        Column("voltage_2", volts),
-        Column("alpha_1", turns),
-        Column("alpha_2", turns),
-        Column("current_1", amperes, partner="current_2"),
-        Column("current_2", amperes, partner="current_1"),
+        Column("voltage_1", VOLTAGE),
+        Column("voltage_2", VOLTAGE),
+        Column("alpha_1", angle),
+        Column("alpha_2", angle),
+        Column("current_1", CURRENT, partner="current_2"),
+        Column("current_2", CURRENT, partner="current_1"),
         Column("tension", {"N": Scale()}, partner="tension"),
         Column("x_ref", LENGTH, partner="y_ref"),
         Column("y_ref", LENGTH, partner="x_ref"),

@@ -16,26 +16,25 @@ _TABLE = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
 _POSITION = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
-def read_document(path: Path, *, file: str) -> tuple[dict[str, Any] | None, str, Fault | None]:
+def read_document(path: Path) -> tuple[dict[str, Any] | None, str, Fault | None]:
     """A TOML document of this format.
 
     Args:
         path: The file.
-        file: The file, relative to the campaign's folder.
 
     Returns:
         The document without its `format`, None if it can't be read; its text; the fault.
     """
-    text, fault = read_text(path, file=file)
+    text, fault = read_text(path)
     if fault is not None:
         return None, text, fault
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        return None, text, _syntax(text, error, file)
+        return None, text, _syntax(text, error)
     number = document.pop("format", None)
     if type(number) is not int or number != FORMAT:
-        return None, text, _format(text, number, file)
+        return None, text, _format(text, number)
     return document, text, None
 
 
@@ -66,14 +65,13 @@ def row_of(text: str, path: Sequence[str]) -> int | None:
     return table_line
 
 
-def _syntax(text: str, error: Exception, file: str) -> Fault:
+def _syntax(text: str, error: Exception) -> Fault:
     position = _POSITION.search(str(error))
     row = int(position[1]) if position else None
     if "end of document" in str(error):
         row = len(text.splitlines())
     return Fault(
         what="not valid TOML",
-        file=file,
         row=row,
         got=str(error),
         expected='lines like key = "value" below headings like [table]',
@@ -81,12 +79,11 @@ def _syntax(text: str, error: Exception, file: str) -> Fault:
     )
 
 
-def _format(text: str, number: object, file: str) -> Fault:
+def _format(text: str, number: object) -> Fault:
     there = number is not None
     remedy = "Read it with the version that wrote it, or export it again as format 1."
     return Fault(
         what="not a format that is known here" if there else "the format isn't stated",
-        file=file,
         row=row_of(text, ["format"]),
         key="format",
         got=repr(number) if there else "no such key",

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float64, Shaped
 
 from identification.campaign.faults import Fault, listed
-from identification.campaign.tables.cells import CellFaults, Row, cell_number
+from identification.campaign.tables.cells import Row, cell_faults, cell_number
 from identification.campaign.tables.columns import Column, Scale
 from identification.campaign.tables.header import Header, read_header
 from identification.campaign.tables.text_file import read_text
@@ -28,12 +28,19 @@ class Table:
 
     values: dict[str, Float64[np.ndarray, " rows"]]
     """Every known column that is there, by name [SI]; NaN for an empty cell."""
+    units: dict[str, str]
+    """The unit that each of them was written in."""
     extra: dict[str, Shaped[np.ndarray, " rows"]]
     """The other columns by header: numbers if all its cells are, text otherwise."""
 
 
 def read_table(
-    path: Path, expected: Sequence[Column], *, file: str, may_be_empty: bool
+    path: Path,
+    expected: Sequence[Column],
+    *,
+    file: str,
+    may_be_empty: bool = False,
+    bare_extra: bool = False,
 ) -> tuple[Table | None, tuple[Fault, ...]]:
     """A stream's columns in SI units, and what is wrong with them.
 
@@ -42,70 +49,59 @@ def read_table(
         expected: The columns that the stream may have, time among them as `t`.
         file: The file, relative to the campaign's folder.
         may_be_empty: Whether a cell other than time's may be empty.
+        bare_extra: Whether a column that the format doesn't know may be without a unit.
 
     Returns:
         The table, None if there are faults; and the faults, at most about ten.
     """
-    text, fault = read_text(path, file=file)
+    text, fault = read_text(path)
     if fault is not None:
-        return None, (fault,)
-    rows, broken = _rows(text, file)
+        return None, listed([fault], file=file)
+    rows, broken = _rows(text)
     if not rows:
-        return None, (broken or _empty(file),)
-    header, faults = read_header(rows[0].cells, expected, file=file)
-    body = rows[1:]
+        return None, listed([broken or _too_short(rows)], file=file)
+    (_, cells), *body = rows
+    header, faults = read_header(cells, expected, bare_extra=bare_extra)
     if len(body) < 2 and broken is None:
-        return None, listed([*faults, _too_short(body, file)], file=file)
-    if not header.names:  # another dialect: its rows would only repeat that
+        return None, listed([*faults, _too_short(rows)], file=file)
+    if not header.columns:  # another dialect: its rows would only repeat that
         return None, listed(faults, file=file)
     if not faults and broken is None:
         table = _convert(header, body, may_be_empty=may_be_empty)
         if table is not None:
             return table, ()
-    cells = CellFaults(header, file, may_be_empty=may_be_empty)
-    every_fault = itertools.chain(faults, cells.of(body), [broken] if broken else [])
+    of_cells = cell_faults(header, body, may_be_empty=may_be_empty)
+    every_fault = itertools.chain(faults, of_cells, [broken] if broken else [])
     return None, listed(every_fault, file=file)
 
 
-def _rows(text: str, file: str) -> tuple[list[Row], Fault | None]:
+def _rows(text: str) -> tuple[list[Row], Fault | None]:
     """The rows without the blank ones at the end, and what ended the reading early."""
     reader = csv.reader(io.StringIO(text, newline=""))
     rows: list[Row] = []
     broken = None
     try:
-        rows.extend(Row(reader.line_num, tuple(cells)) for cells in reader)
+        rows.extend((reader.line_num, cells) for cells in reader)
     except csv.Error as error:
         broken = Fault(
             what="the row can't be split into cells",
-            file=file,
             row=reader.line_num,
             got=str(error),
             expected="cells separated by commas",
             remedy="Look for a lone quotation mark, or a damaged part of the file.",
         )
-    while rows and not any(cell.strip() for cell in rows[-1].cells):
+    while rows and not any(cell.strip() for cell in rows[-1][1]):
         rows.pop()
     return rows, broken
 
 
-def _empty(file: str) -> Fault:
+def _too_short(rows: list[Row]) -> Fault:
+    """The fault of a file without two samples."""
     return Fault(
-        what="the file is empty",
-        file=file,
-        row=1,
-        got="nothing",
+        what="too few samples" if rows else "the file is empty",
+        row=rows[-1][0] if rows else 1,
+        got=("nothing", "a header only", "1 sample")[len(rows)],
         expected="a header and at least two samples",
-        remedy="Export the log again; delete camera.csv if there was no camera.",
-    )
-
-
-def _too_short(body: list[Row], file: str) -> Fault:
-    return Fault(
-        what="too few samples",
-        file=file,
-        row=body[-1].line if body else 1,
-        got="1 sample" if body else "a header only",
-        expected="at least two samples",
         remedy="Export the log again; delete camera.csv if there was no camera.",
     )
 
@@ -113,20 +109,20 @@ def _too_short(body: list[Row], file: str) -> Fault:
 def _convert(header: Header, body: list[Row], *, may_be_empty: bool) -> Table | None:
     """The table, None if there is a fault in it."""
     width = len(header.cells)
-    if any(len(row.cells) != width for row in body):
+    if any(len(cells) != width for _, cells in body):
         return None
-    columns = list(zip(*(row.cells for row in body), strict=True))
-    values = {}
-    for place, name in header.names.items():
-        empty = may_be_empty and name != "t"
-        numbers = _numbers(columns[place], header.scales[place], may_be_empty=empty)
+    columns = list(zip(*(cells for _, cells in body), strict=True))
+    values, units = {}, {}
+    for place, column in header.columns.items():
+        empty = may_be_empty and column.name != "t"
+        numbers = _numbers(columns[place], header.scale(place), may_be_empty=empty)
         if numbers is None:
             return None
-        values[name] = numbers
+        values[column.name], units[column.name] = numbers, header.units[place]
     if not np.all(np.diff(values["t"]) > 0):
         return None
     extra = {header.cells[place]: _extra(columns[place]) for place in header.extra}
-    return Table(values, extra)
+    return Table(values, units, extra)
 
 
 def _numbers(
@@ -150,10 +146,9 @@ def _plain_numbers(
     # The unit's power of ten goes into the text, so that the number is rounded once.
     power = f"e{scale.exponent}" if scale.exponent else ""
     try:
-        if may_be_empty:
-            numbers = [float(cell + power) if cell else math.nan for cell in cells]
-        else:
-            numbers = [float(cell + power) for cell in cells]
+        numbers = [
+            float(cell + power) if cell or not may_be_empty else math.nan for cell in cells
+        ]
     except ValueError:
         return None
     if math.inf in numbers or -math.inf in numbers:

@@ -6,12 +6,11 @@ from pathlib import Path
 from identification.campaign.faults import Fault
 
 
-def read_text(path: Path, *, file: str) -> tuple[str, Fault | None]:
+def read_text(path: Path) -> tuple[str, Fault | None]:
     """A file's text.
 
     Args:
         path: The file.
-        file: The file, relative to the campaign's folder.
 
     Returns:
         The text, without a byte order mark; and the fault if there is none to be read.
@@ -21,7 +20,6 @@ def read_text(path: Path, *, file: str) -> tuple[str, Fault | None]:
     except FileNotFoundError:
         return "", Fault(
             what="the file is missing",
-            file=file,
             got="no such file",
             expected=f"the file {path.name}",
             remedy="Copy it there, or check its name.",
@@ -29,14 +27,12 @@ def read_text(path: Path, *, file: str) -> tuple[str, Fault | None]:
     except OSError as error:
         return "", Fault(
             what="the file can't be read",
-            file=file,
             got=f"{error.strerror}",
             expected="a readable text file",
             remedy="Check what it is and its permissions.",
         )
     binary = Fault(
         what="not text in UTF-8",
-        file=file,
         row=content.count(b"\n") + 1,
         expected="a text file in UTF-8",
         remedy="Save it as plain text in UTF-8; a TDMS or MAT log goes through the importers.",

@@ -62,6 +62,15 @@ class Measured(eqx.Module):
         """Quantities that it leaves free, as it says how far they are known."""
         return ()
 
+    def __check_init__(self) -> None:
+        value, sigma = float(self.value), float(self.sigma)
+        if not (np.isfinite(value) and np.isfinite(sigma) and sigma > 0):
+            raise ValueError(
+                f"the {self.name} must be a finite number with a standard error above zero "
+                f"[{self.unit}], got {value:g} +- {sigma:g}. What is known exactly is given "
+                "with the robot."
+            )
+
 
 class MeasuredQuantity(Measured):
     """One of the robot's named quantities."""
@@ -73,7 +82,6 @@ class MeasuredQuantity(Measured):
     setting: str | None = eqx.field(static=True, default=None)
 
     def __check_init__(self) -> None:
-        _require_error(self)
         if (self.quantity == PER_SETTING) != (self.setting is not None):
             raise ValueError(
                 f"`setting` of {self.quantity!r}: got {self.setting!r}, expected "
@@ -109,9 +117,9 @@ class MeasuredFrequency(Measured):
     """What held the carriages while it rang."""
     mode: int = eqx.field(static=True, default=0)
     """Which of the condition's modes it is, the lowest first."""
+    unit = "Hz"
 
     def __check_init__(self) -> None:
-        _require_error(self)
         if not 0 <= self.mode < self.condition.modes:
             raise ValueError(
                 f"`mode` must be from 0 to {self.condition.modes - 1} [1], got {self.mode}. "
@@ -121,10 +129,6 @@ class MeasuredFrequency(Measured):
     @property
     def name(self) -> str:
         return f"natural frequency at a height of {float(self.height):g} m"
-
-    @property
-    def unit(self) -> str:
-        return "Hz"
 
     def of(self, robot: Robot) -> Float[Array, ""]:
         return natural_frequencies(robot, self.height, self.condition)[self.mode]
@@ -142,16 +146,8 @@ class MeasuredBreakaway(Measured):
     sigma: Float[Array, ""] = eqx.field(converter=real)
     setting: str = eqx.field(static=True)
 
-    def __check_init__(self) -> None:
-        _require_error(self)
-
-    @property
-    def name(self) -> str:
-        return "breakaway voltage"
-
-    @property
-    def unit(self) -> str:
-        return "V"
+    name = "breakaway voltage"
+    unit = "V"
 
     def of(self, robot: Robot) -> Float[Array, ""]:
         drive, cable = robot.drive, robot.cable
@@ -240,13 +236,3 @@ class MeasuredFit:
         value = float(measured.of(robot))
         deviation = (value - float(measured.value)) / float(measured.sigma)
         return cls(measured, value, deviation)
-
-
-def _require_error(number: Measured) -> None:
-    value, sigma = float(number.value), float(number.sigma)
-    if not (np.isfinite(value) and np.isfinite(sigma) and sigma > 0):
-        raise ValueError(
-            f"the {number.name} must be a finite number with a standard error above zero "
-            f"[{number.unit}], got {value:g} +- {sigma:g}. What is known exactly is given "
-            "with the robot."
-        )

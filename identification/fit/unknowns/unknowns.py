@@ -50,6 +50,11 @@ class Unknowns:
     """Which shared unknowns the fit may change; the others keep their values."""
 
     @property
+    def opened_names(self) -> tuple[tuple[str, str | None], ...]:
+        """Name and pretension setting of each shared unknown that the fit may change."""
+        return tuple(self.shared[index] for index in np.flatnonzero(self.opened))
+
+    @property
     def size(self) -> int:
         """Number of unknowns."""
         return len(self.shared) + self.active.size
@@ -119,11 +124,8 @@ class Unknowns:
         Returns:
             Zero for a quantity that may be zero, minus infinity for everything else.
         """
-        bounds = np.full(self.size, -np.inf)
-        for index, (name, _) in enumerate(self.shared):
-            if not (quantity(name).positive or quantity(name).signed):
-                bounds[index] = 0.0
-        return bounds
+        of_shared = [lower_bound(name) for name, _ in self.shared]
+        return np.concatenate([of_shared, np.full(self.active.size, -np.inf)])
 
 
 def layout(
@@ -188,6 +190,18 @@ def layout(
         ).reshape(len(runs), len(NAMES)),
         opened=np.array([name in chosen for name, _ in shared], dtype=bool),
     )
+
+
+def lower_bound(name: str) -> float:
+    """Least value of a quantity as a fit holds it.
+
+    Args:
+        name: Name of the quantity.
+
+    Returns:
+        Zero for a quantity that may be zero and isn't signed, else minus infinity.
+    """
+    return -math.inf if quantity(name).positive or quantity(name).signed else 0.0
 
 
 def encode(name: str, number: float) -> float:

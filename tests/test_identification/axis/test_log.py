@@ -31,7 +31,9 @@ def test_units_are_converted(tmp_path, unit, si_unit, factor):
     path = write(tmp_path / "log.csv", header=f"t [ms],voltage [mV],position [{unit}]")
     log = read_axis_log(path)
     expected = np.array(ROWS).T * [[1e-3], [1e-3], [factor]]
-    np.testing.assert_array_equal([log.time, log.voltage, log.position], expected)
+    # The reader rounds a decimal number once, the product here rounds it twice.
+    ulp = np.spacing(expected)
+    assert np.all(np.abs(np.array([log.time, log.voltage, log.position]) - expected) <= ulp)
     assert log.position_unit == si_unit
 
 
@@ -51,15 +53,15 @@ def spoiled(line, cell, value):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"header": "t,voltage [V],position [m]"}, r"row 1, column 1: got 't'.*'t \[s\]'"),
-        ({"header": "t [s],voltage [kV],position [m]"}, r"column 2: got 'voltage \[kV\]'"),
-        ({"header": "t [s],u [V],position [m]"}, "no column 'voltage'"),
-        ({"header": "t [s],voltage [V],voltage [V],position [m]"}, "2 columns 'voltage'"),
-        ({"header": "t [s];voltage [V];position [m]"}, "separated by commas"),
-        ({"rows": spoiled(7, 1, "")}, r"row 7, column 'voltage \[V\]': got ''"),
-        ({"rows": spoiled(7, 2, "nan")}, r"row 7, column 'position \[m\]': got 'nan'"),
-        ({"rows": spoiled(9, 1, "1,5")}, "row 9: 4 cells, expected 3"),
-        ({"rows": spoiled(5, 0, 0.002)}, r"row 5, column 't \[s\]': got 0.002 after 0.002"),
+        ({"header": "t,voltage [V],position [m]"}, r"row 1, column 't': .*\"t \[s\]\""),
+        ({"header": "t [s],voltage [kV],position [m]"}, r"column 'voltage \[kV\]': a unit"),
+        ({"header": "t [s],u [V],position [m]"}, "column 'voltage' is missing"),
+        ({"header": "t [s],voltage [V],voltage [V],position [m]"}, "a second 'voltage'"),
+        ({"header": "t [s];voltage [V];position [m]"}, "commas between columns"),
+        ({"rows": spoiled(7, 1, "")}, r"row 7, column 'voltage \[V\]': an empty cell"),
+        ({"rows": spoiled(7, 2, "nan")}, r"row 7, column 'position \[m\]': .*got 'nan'"),
+        ({"rows": spoiled(9, 1, "1,5")}, "row 9: .*got 4 cells, expected 3"),
+        ({"rows": spoiled(5, 0, 0.002)}, r"row 5, column 't \[s\]': .*got 0.002 after 0.002"),
         ({"rows": ROWS[:9]}, "9 samples, expected at least 16"),
         ({"rows": [("x", "y", "z")] * 20}, "and 50 more"),
     ],
@@ -81,5 +83,5 @@ def test_an_empty_file_is_refused(tmp_path):
 def test_a_file_that_is_no_text_is_refused(tmp_path):
     path = tmp_path / "binary.csv"
     path.write_bytes(b"t [s],voltage [V]\xff\xfe")
-    with pytest.raises(ValueError, match="byte 17 isn't UTF-8"):
+    with pytest.raises(ValueError, match="not text in UTF-8, got the byte 0xff"):
         read_axis_log(path)

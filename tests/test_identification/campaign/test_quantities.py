@@ -6,6 +6,7 @@ import hypothesis
 import hypothesis.strategies as st
 import pytest
 
+from identification.campaign import quantities
 from identification.campaign.quantities import QuantityError, format_quantity, parse_quantity
 
 
@@ -141,3 +142,9 @@ def test_a_quantity_to_be_written_is_finite():
 def test_importing_the_module_does_not_load_pint():
     code = "import sys, identification.campaign.quantities; assert 'pint' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(("written", "unit"), list(quantities.EVERYDAY))
+def test_everyday_units_are_as_pint_has_them(written, unit):
+    known = quantities.EVERYDAY[written, unit]
+    assert quantities._pint_conversion(written, unit) == known

@@ -7,7 +7,7 @@ NAMES = (("friction_coefficient", None), ("torque_per_volt", None), ("drive_iner
 
 
 def told(information):
-    return _combinations(np.asarray(information, dtype=float), list(NAMES))
+    return _combinations(np.asarray(information, dtype=float), NAMES)
 
 
 def test_a_product_that_alone_is_seen_leaves_the_ratio_untold():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from identification.judge.uncertainty import covariance, half_width, is_untold, judge
+from identification.judge.uncertainty import covariance, half_width, is_undetermined, judge
 
 RUNS, BLOCKS, SAMPLES = 12, 40, 10
 
@@ -93,7 +93,7 @@ def test_what_no_run_shows_has_no_standard_error():
     ],
 )
 def test_an_interval_that_says_nothing_of_the_robot_is_not_given(name, number, sigma, untold):
-    assert is_untold(name, number, sigma) == untold
+    assert is_undetermined(name, number, sigma) == untold
 
 
 @pytest.mark.parametrize(

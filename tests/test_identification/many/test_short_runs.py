@@ -12,7 +12,7 @@ from identification.many.short_runs import (
     _encoded,
     _judged,
     _Lane,
-    _residuals,
+    _Task,
     estimate_many,
 )
 from scdpr_jax.robot.parameters import exact
@@ -96,7 +96,7 @@ def drawn(count, drive_friction=0.0):
     @jax.vmap
     def simulated(point, run):
         interval, rubs = jnp.asarray(INTERVAL), drive_friction > 0
-        return -_residuals(robot, interval, point, run, rubbing_drives=rubs)
+        return -_Task(robot, interval, run, rubs).residuals(point)
 
     clean = np.asarray(simulated(jnp.asarray(_encoded(truth)), empty))
     noisy = clean + SIGMA * random.normal(size=clean.shape)
@@ -113,7 +113,7 @@ def test_the_momentum_puts_the_drives_of_a_start_right(drive_friction):
     @jax.jit
     @jax.vmap
     def balanced(run, start):
-        return _balanced((robot, jnp.asarray(INTERVAL), run, start))
+        return _balanced((_Task(robot, jnp.asarray(INTERVAL), run, False), start))
 
     found = np.exp(np.asarray(balanced(runs, jnp.asarray(_encoded(starts)))))
     # The upper carriage doesn't slide exactly as the lower one does: a start, no estimate.
@@ -128,7 +128,7 @@ def test_a_run_that_tells_nothing_leaves_its_start_alone():
     still = jax.tree.map(lambda leaf: leaf[0], runs)
     still = dataclasses.replace(still, voltage=0 * still.voltage, measured=0 * still.measured)
     start = jnp.asarray(_encoded(starts)[0])
-    found = _balanced((robot, jnp.asarray(INTERVAL), still, start))
+    found = _balanced((_Task(robot, jnp.asarray(INTERVAL), still, False), start))
     np.testing.assert_allclose(found, start, rtol=1e-12)
 
 

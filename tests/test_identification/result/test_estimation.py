@@ -134,7 +134,7 @@ def test_what_was_measured_otherwise_weighs_by_its_error(campaign, found):
     moved = (joint.value - logged.value) / logged.sigma
     # A fit ends where a step promises a hundredth of misfit, a tenth of a standard error.
     assert moved == pytest.approx(weights[1] / weights.sum(), abs=0.1)
-    assert both.measured == (other,)
+    assert both.options.measured == (other,)
 
 
 def test_float32_is_refused(campaign):

@@ -142,7 +142,7 @@ def test_smooth_friction_is_sent_to_the_adaptive_solvers():
 REFERENCE = jnp.array([[0.3, 0.5], [0.31, 0.5], [0.32, 0.51], [0.33, 0.51], [0.33, 0.52]])
 
 
-def stand_still(state, held):
+def stand_still(robot, state, held):
     return state
 
 
@@ -180,7 +180,7 @@ def test_samples_are_a_period_apart():
 
 
 def test_knock_acts_in_its_own_interval():
-    def pushed(state, held):
+    def pushed(robot, state, held):
         return State(state.position.at[0].add(held.knock), state.velocity)
 
     knock = jnp.array([0.0, 2.0, 0.0, 1.0])
@@ -194,7 +194,7 @@ def test_encoder_is_read_at_the_sample():
     coarse = Encoder(100.0)
     step = jnp.array([0.0, 0.0, 1e-3, 0.0, 0.0])
 
-    def creep(state, held):
+    def creep(robot, state, held):
         return State(state.position + step, state.velocity)
 
     found = around(creep, encoder=coarse).voltage
@@ -218,7 +218,7 @@ def test_loop_around_a_smooth_integrator_is_differentiable_in_both_modes():
         reference = REFERENCE + 1e-2 * shift
         robot = replace(ROBOT, {"effective_radius": 0.073 * robot_scale})
 
-        def glide(state, held):
+        def glide(robot, state, held):
             pushed = jnp.stack([held.voltage.sum(), held.voltage[0] - held.voltage[1]])
             velocity = state.velocity.at[jnp.array([2, 4])].add(0.05 * jnp.tanh(0.1 * pushed))
             return State(state.position + held.duration * velocity, velocity)

@@ -14,9 +14,8 @@ from scdpr_jax.legs.measures import (
     smooth_peak_to_peak,
     tracking_error,
 )
-from scdpr_jax.robot.dynamics import State
 from scdpr_jax.robot.prototype import consistent
-from scdpr_jax.robot.state import rest
+from scdpr_jax.robot.state import State, rest
 
 TIME = jnp.linspace(0.0, 1.0, 2001)
 WINDOW = (TIME >= 0.5).astype(TIME.dtype)

@@ -1,5 +1,6 @@
 """A state's coordinates and their names."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -37,8 +38,10 @@ def test_a_view_has_its_coordinates_along_the_last_axis(view, module, shape):
     np.testing.assert_array_equal(found, expected)
 
 
-def test_a_state_s_views_are_of_its_position():
+@pytest.mark.parametrize("to", [np.asarray, jnp.asarray], ids=["numpy", "jax"])
+def test_a_state_s_views_are_of_its_position(to):
     state = State(jnp.arange(10.0).reshape(2, 5), jnp.zeros((2, 5)))
+    state = jax.tree.map(to, state)
     for view in VIEWS:
         np.testing.assert_array_equal(getattr(state, view.__name__), view(state.position))
     np.testing.assert_array_equal(state.tilt, [1, 6])

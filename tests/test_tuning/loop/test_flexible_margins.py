@@ -115,7 +115,7 @@ def test_margins_are_those_of_python_control(published, loop):
     closest = omega[np.argmin(np.abs(1 + frequencies))]
     distance = np.abs(1 + response(closest * np.linspace(0.998, 1.002, 1001)))
     found = control.stability_margins(control.frd(frequencies, omega), returnall=True)
-    margins = jax.tree.map(lambda leaf: float(leaf[place]), published.found.margins)
+    margins = jax.tree.map(lambda leaf: float(leaf[place]), published.flexible.margins)
     # Interpolated on steps of 2e-3 of the frequency.
     assert abs(np.degrees(margins.phase_margin) - np.min(np.abs(found[1]))) <= 0.02
     assert abs(margins.gain_margin / np.min(found[0][found[0] > 1]) - 1) <= 1e-3
@@ -154,7 +154,7 @@ def test_lifting_is_the_loop_of_a_drive_that_carries_the_end_effector(published)
     inertia = drive.inertia + ROBOT.end_effector.mass * radius**2 / 2
     rigid = MotorPlant(gain=drive.torque_per_volt / inertia, pole=drive.damping / inertia)
     expected = jax.jit(sampled_margins)(rigid, published_pd())
-    got = jax.tree.map(lambda leaf: leaf[LIFT], published.found.margins)
+    got = jax.tree.map(lambda leaf: leaf[LIFT], published.flexible.margins)
     for one, other in zip(jax.tree.leaves(got), jax.tree.leaves(expected), strict=True):
         # The plant's matrix exponential against its closed form.
         assert np.max(np.abs(np.asarray(one) / float(other) - 1)) <= 1e-6
@@ -164,17 +164,17 @@ def test_lifting_is_the_loop_of_a_drive_that_carries_the_end_effector(published)
 @pytest.mark.parametrize("column", [0, 10, 20])
 def test_margins_are_where_the_loop_turns_unstable(published, loop, column):
     height, place = published.height[column], (JOINT_LOOPS.index(loop), 0, column)
-    gain = float(published.found.margins.gain_margin[place])
+    gain = float(published.flexible.margins.gain_margin[place])
     assert spectral_radius(height, loop, factor=0.999 * gain) < 1
     assert spectral_radius(height, loop, factor=1.001 * gain) > 1
-    spare = int(float(published.found.margins.delay_margin[place]) / PERIOD)
+    spare = int(float(published.flexible.margins.delay_margin[place]) / PERIOD)
     assert spectral_radius(height, loop, delay=1 + spare) < 1
     assert spectral_radius(height, loop, delay=2 + spare) > 1
 
 
 def test_the_worst_margins_are_named_with_their_pose(published):
     worst = {one.measure: one for one in worst_margins(published)}
-    phase = np.asarray(published.found.margins.phase_margin)
+    phase = np.asarray(published.flexible.margins.phase_margin)
     assert worst["phase_margin"].value == phase.min()
     column = int(np.flatnonzero(published.height == worst["phase_margin"].height)[0])
     names = [loop.name for loop in JOINT_LOOPS]
@@ -186,8 +186,8 @@ def test_an_unstable_loop_is_told_instead_of_a_margin():
     pd = published_pd()
     # Beyond the sideways loop's gain margin of 36.06, short of lifting's 41.4.
     found = margin_map(PAIR, PD(36.5 * pd.proportional_gain, 36.5 * pd.derivative_gain))
-    assert np.all(np.isnan(np.asarray(found.found.margins.phase_margin)[FREE]))
-    assert np.all(np.isfinite(np.asarray(found.found.margins.phase_margin)[LIFT]))
+    assert np.all(np.isnan(np.asarray(found.flexible.margins.phase_margin)[FREE]))
+    assert np.all(np.isfinite(np.asarray(found.flexible.margins.phase_margin)[LIFT]))
     (worst,) = worst_margins(found)
     assert worst.measure == "spectral_radius"
     assert worst.value > 1

@@ -137,9 +137,9 @@ def _unit_impulses(
 
     def split(x: Float[Array, " n"]) -> tuple[Float[Array, " _"], ...]:
         a, t, z, h = jnp.split(x, [sum(sizes[: n + 1]) for n in range(3)])
-        one = jnp.ones(1, x.dtype)
-        at_zeros, at_hills = (z, jnp.append(h, one)) if humps % 2 else (jnp.append(z, one), h)
-        return a, jnp.concatenate([0 * one, t]), at_zeros, at_hills
+        unit = jnp.ones(1, x.dtype)
+        at_zeros, at_hills = (z, jnp.append(h, unit)) if humps % 2 else (jnp.append(z, unit), h)
+        return a, jnp.concatenate([0 * unit, t]), at_zeros, at_hills
 
     def equations(x: Float[Array, " n"], ratio: Float[Array, ""]) -> Float[Array, " n"]:
         a, t, z, h = split(x)
@@ -164,9 +164,9 @@ def _unit_impulses(
         )
 
     start = jnp.concatenate([amplitudes, steps[1:] / 2, zeros, hills])
-    found = continued_root(equations, start, parameter=damping_ratio)
-    missed = jnp.max(jnp.abs(equations(jax.lax.stop_gradient(found), damping_ratio)))
-    a, t, *_ = split(found)
+    solution = continued_root(equations, start, parameter=damping_ratio)
+    missed = jnp.max(jnp.abs(equations(jax.lax.stop_gradient(solution), damping_ratio)))
+    a, t, *_ = split(solution)
     return t, a, ~(missed < _REACHED / tolerance)
 
 

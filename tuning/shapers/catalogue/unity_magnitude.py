@@ -123,9 +123,9 @@ def _solved(
     damping_ratio: Float[Array, ""],
     impulses: int,
 ) -> _Solved:
-    found = continued_root(equations, start, parameter=damping_ratio)
-    missed = jnp.max(jnp.abs(equations(jax.lax.stop_gradient(found), damping_ratio)))
-    instants = jnp.concatenate([jnp.zeros(1, start.dtype), found[: impulses - 1]])
+    solution = continued_root(equations, start, parameter=damping_ratio)
+    missed = jnp.max(jnp.abs(equations(jax.lax.stop_gradient(solution), damping_ratio)))
+    instants = jnp.concatenate([jnp.zeros(1, start.dtype), solution[: impulses - 1]])
     disordered = jnp.any(jnp.diff(instants) <= 0)
     return instants, ~(missed < _REACHED) | disordered
 

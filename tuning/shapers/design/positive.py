@@ -58,16 +58,16 @@ def least_residual(
     Returns:
         The design, of this duration, or the shortest that leaves nothing.
     """
-    found = _on_grid(criterion, jnp.asarray(duration))
+    on_grid = _on_grid(criterion, jnp.asarray(duration))
     starts = [s for s in starts if float(s.duration) <= duration * (1 + _ROUNDING)]
-    if float(found.value) <= GAP:
+    if float(on_grid.value) <= GAP:
         # Many shapers leave nothing; the shortest is the one with the fewest impulses.
         shortest = least_duration(criterion, bound=NOTHING_LEFT, longest=duration)
         return _best(criterion, [shortest.shaper, *starts], 0.0)
-    candidates = [*_impulses(np.asarray(found.x), duration), *starts]
+    candidates = [*_impulses(np.asarray(on_grid.x), duration), *starts]
     ranked = sorted(candidates, key=lambda shaper: float(criterion(shaper)))
     moved = [refined(criterion, shaper) for shaper in ranked[:2]]
-    return _best(criterion, [*moved, ranked[0]], float(found.lower_bound))
+    return _best(criterion, [*moved, ranked[0]], float(on_grid.lower_bound))
 
 
 def least_duration(
@@ -97,23 +97,23 @@ def least_duration(
     """
     # What leaves a little may leave nothing by the convex program, which stops `GAP` short.
     bound = max(bound, NOTHING_LEFT)
-    low, left_low, high = (
+    low, residual_low, high = (
         0.0,
         1.0,
         longest if math.isfinite(longest) else _longest(criterion, bound),
     )
     while high - low > 0.02 * high:
         middle = (low + high) / 2
-        left = float(_on_grid(criterion, jnp.asarray(middle)).value)
-        if left <= bound:
+        residual = float(_on_grid(criterion, jnp.asarray(middle)).value)
+        if residual <= bound:
             high = middle
         else:
-            low, left_low = middle, left
+            low, residual_low = middle, residual
     best = _on_the_way(criterion, high, low)
     for _ in range(_TRIES):
         if best.residual <= bound:
             break
-        low, left_low, high = high, best.residual, 1.005 * high
+        low, residual_low, high = high, best.residual, 1.005 * high
         best = _on_the_way(criterion, high, low)
     if not best.residual <= bound:
         # Many small impulses keep it, and no few of them were found that do.
@@ -121,15 +121,15 @@ def least_duration(
     # A refined shaper leaves less than the grid's: it may be shorter than the grid allows.
     low = min(low, 0.98 * high)
     while high - low > EXACT * high:
-        share = (left_low - bound) / max(left_low - best.residual, NOTHING_LEFT)
+        share = (residual_low - bound) / max(residual_low - best.residual, NOTHING_LEFT)
         middle = low + (high - low) * min(max(share, 0.1), 0.9)
         scale = middle / float(best.shaper.duration)
         trial = refined(criterion, Shaper(scale * best.shaper.times, best.shaper.amplitudes))
-        left = float(criterion(trial))
-        if left <= bound:
-            best, high = Design(trial, left, best.lower_bound), middle
+        residual = float(criterion(trial))
+        if residual <= bound:
+            best, high = Design(trial, residual, best.lower_bound), middle
         else:
-            low, left_low = middle, left
+            low, residual_low = middle, residual
     kept = [shaper for shaper in starts if float(criterion(shaper)) <= bound]
     shaper = min([best.shaper, *kept], key=lambda shaper: float(shaper.duration))
     return _best(criterion, [shaper], best.lower_bound)
@@ -141,17 +141,19 @@ def _on_the_way(criterion: Criterion, duration: float, shorter: float) -> Design
     Where nothing is left the grid's amplitudes are smeared over all that do; those of a
     shorter duration, which leaves something, aren't, and stretched they lead further.
     """
-    found, before = (_on_grid(criterion, jnp.asarray(d)) for d in (duration, shorter))
-    starts = [s for on in (found, before) for s in _impulses(np.asarray(on.x), duration)]
-    return _best(criterion, [refined(criterion, s) for s in starts], float(found.lower_bound))
+    on_grid, shorter_grid = (_on_grid(criterion, jnp.asarray(d)) for d in (duration, shorter))
+    starts = [
+        s for on in (on_grid, shorter_grid) for s in _impulses(np.asarray(on.x), duration)
+    ]
+    return _best(criterion, [refined(criterion, s) for s in starts], float(on_grid.lower_bound))
 
 
 def _on_all_instants(criterion: Criterion, duration: float) -> Design:
     """The grid's shaper as it is, an impulse at every instant."""
-    found = _on_grid(criterion, jnp.asarray(duration))
+    on_grid = _on_grid(criterion, jnp.asarray(duration))
     times = jnp.linspace(0, duration, GRID)
-    shaper = Shaper(times, found.x / jnp.sum(found.x))
-    return _best(criterion, [shaper], float(found.lower_bound))
+    shaper = Shaper(times, on_grid.x / jnp.sum(on_grid.x))
+    return _best(criterion, [shaper], float(on_grid.lower_bound))
 
 
 def _best(criterion: Criterion, shapers: list[Shaper], lower_bound: float) -> Design:

@@ -41,8 +41,8 @@ def least_quantile(
     best = least_residual(worst_residual(frequency, damping_ratio), duration=duration)
     best = best._replace(residual=_quantile(best, frequency, damping_ratio, counted))
     for _ in range(_ROUNDS):
-        left = residual_of_modes(best.shaper, frequency, damping_ratio)
-        kept = np.sort(np.argsort(left, kind="stable")[:counted])
+        residual = residual_of_modes(best.shaper, frequency, damping_ratio)
+        kept = np.sort(np.argsort(residual, kind="stable")[:counted])
         chosen: Criterion = worst_residual(frequency[kept], damping_ratio[kept])
         trial = least_residual(chosen, duration=duration, starts=[best.shaper])
         trial = trial._replace(residual=_quantile(trial, frequency, damping_ratio, counted))
@@ -58,5 +58,5 @@ def _quantile(
     damping_ratio: Float[Array, " modes"],
     counted: int,
 ) -> float:
-    left = residual_of_modes(design.shaper, frequency, damping_ratio)
-    return float(np.sort(left)[counted - 1])
+    residual = residual_of_modes(design.shaper, frequency, damping_ratio)
+    return float(np.sort(residual)[counted - 1])

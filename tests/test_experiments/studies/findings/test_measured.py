@@ -44,5 +44,5 @@ def test_the_file_holds_it_and_is_read_as_before(tmp_path):
     (row,) = json.loads(path.read_text())["measured_otherwise"]
     assert row["name"] == "end_effector_mass"
     assert row["fitted"] == pytest.approx(row["value"] + 2 * row["sigma"])
-    fit = MeasuredFit.of(found.measured[0], read_parameters(path).robot)
+    fit = MeasuredFit.of(found.options.measured[0], read_parameters(path).robot)
     assert fit.deviation == pytest.approx(2.0)

@@ -1,0 +1,95 @@
+"""Clocks and rates that aren't what the log states."""
+
+import dataclasses
+import math
+
+import numpy as np
+
+from identification.doctor.case import Case, Record
+from identification.doctor.relations.clocks import alignment, clock_terms
+from identification.doctor.relations.responses import responses
+from identification.doctor.slips.edits import TIMES, Undone, affine, scaled
+from identification.doctor.slips.scales import round_number
+from identification.doctor.slips.slip import Slip
+
+REACH = 1.0
+"""How far off a stated clock is looked for [s], about what is stated and about a common
+start of both streams."""
+
+LARGEST_RATE = 50.0
+"""Factor of a rate that is looked for; beyond it, it is a unit."""
+
+
+def _offset(case: Case) -> Undone | None:
+    film = case.filmed
+    if not film:
+        return None
+    apart = [record.frame_time[0] - record.offset - record.time[0] for record in film]
+    common = float(np.median(apart))
+    about = common if abs(common) > REACH else 0.0
+    shift = alignment(case, film, reach=REACH, step=0.04, about=about)
+    if shift is None:
+        return None
+
+    def shifted(record: Record) -> Record:
+        if not record.filmed:
+            return record
+        return dataclasses.replace(record, offset=record.offset + shift)
+
+    step = {"do": "shift the camera's clock, and leave the rest to the fit", "by_s": -shift}
+    return Undone(case.map(shifted), step, shift)
+
+
+def _drift(case: Case) -> Undone | None:
+    terms = clock_terms(case)
+    if terms is None or abs(terms.drift) > 0.2:
+        return None
+    step = {"do": "scale", "columns": [TIMES[1]], "factor": 1 - terms.drift}
+    return Undone(affine(case, TIMES[1:], 1 - terms.drift), step, terms.drift)
+
+
+def _rate(case: Case, *, simple: bool) -> Undone | None:
+    """The drive's clock by a factor, from the streams' lengths.
+
+    Without a camera the gain of the bare drives tells it: it goes with the square.
+    """
+    factors = [np.ptp(record.frame_time) / np.ptp(record.time) for record in case.filmed]
+    if not factors:
+        factors = [
+            math.sqrt(response.nominal_gain / response.gain)
+            for mode, response in responses(case).items()
+            if mode.startswith("bare") and response.gain > 0
+        ]
+    factor = float(np.median(factors)) if factors else 1.0
+    if not 1 / LARGEST_RATE < factor < LARGEST_RATE or abs(factor - 1) < 0.1:
+        return None
+    near = min(
+        (ratio for whole in range(2, 26) for ratio in (whole, 1 / whole)),
+        key=lambda ratio: abs(math.log(factor / ratio)),
+    )
+    if not simple:
+        return scaled(case, TIMES[:1], _refined(case, factor))
+    return scaled(case, TIMES[:1], near) if abs(factor / near - 1) < 0.04 else None
+
+
+def _refined(case: Case, factor: float) -> float:
+    """A factor of the drive's clock so that no drift against the camera is left."""
+    for _ in range(4):
+        terms = clock_terms(affine(case, TIMES[:1], factor))
+        if terms is None or abs(terms.drift) > 0.2:
+            break
+        factor *= 1 + terms.drift
+    return round_number(factor, 1e-3 * factor)
+
+
+RATES: tuple[Slip, ...] = (
+    Slip("rate.drive", "a simple multiple of the rate", lambda case: _rate(case, simple=True)),
+    Slip("rate.drive", "another rate", lambda case: _rate(case, simple=False)),
+)
+"""The drive's samples stamped at another rate."""
+
+CLOCKS: tuple[Slip, ...] = (
+    Slip("clock.offset", "the camera's clock", _offset),
+    Slip("clock.drift", "the camera's clock", _drift),
+)
+"""The camera's clock."""

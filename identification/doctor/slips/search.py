@@ -1,0 +1,195 @@
+"""Which slip explains what doesn't hold.
+
+Every slip is undone in memory, and all relations are examined again: the right one leaves
+nothing. Severities are logarithms, so that a slip that mends a gross contradiction and leaves
+a small one is worse than one that leaves none. Ties go to the order of the catalogue.
+
+One bad run spoils what is pooled over runs, or hides in it. So where no slip in all runs
+leaves nothing, or leaves runs that are odd by themselves, a slip in the odd runs alone is
+tried; and where that doesn't, two slips, each of the three best ones followed by another.
+"""
+
+import math
+from collections.abc import Collection
+from typing import NamedTuple
+
+from identification.doctor.case import Case
+from identification.doctor.findings import Finding
+from identification.doctor.relations import Examination, examination, may_help
+from identification.doctor.slips.catalogue import CATALOGUE
+from identification.doctor.slips.edits import Undone
+from identification.doctor.slips.slip import Slip
+from identification.doctor.words import explained
+
+SURE = 0.3
+"""Severity that may be left: a relation that is just broken counts as much."""
+
+ODD = 0.45
+"""Severity of one run alone that makes it odd: it has larger errors than a campaign."""
+
+PRICE = 1.0
+"""What a second slip must mend, to be told."""
+
+BEST = 3
+"""First slips that are followed by a second one."""
+
+MARGIN = 0.5
+"""Severity within which another explanation is told as an alternative."""
+
+VANISHED = 3.0
+"""What it counts against a slip that undoing it leaves a drive no motion to be judged by."""
+
+WORTH = 0.7
+"""Share of the severity that may be left at most; else nothing explains it."""
+
+
+class Explanation(NamedTuple):
+    """One or two slips undone."""
+
+    left: float
+    """Severity that is left, and the price of a second slip."""
+    slips: tuple[Slip, ...]
+    """The slips."""
+    undone: tuple[Undone, ...]
+    """How they were undone."""
+    examination: Examination
+    """What the sensors say then."""
+
+    @property
+    def rank(self) -> float:
+        """What explanations are compared by: below it, differences are noise."""
+        return round(self.left, 2)
+
+
+def conclusion(case: Case) -> tuple[Case, tuple[Finding, ...]]:
+    """What explains a case that contradicts itself.
+
+    Args:
+        case: The campaign, bad samples put right.
+
+    Returns:
+        The case with the slips undone, and a finding for each; the case as it is and none
+        where everything holds.
+    """
+    base = examination(case)
+    if base.severity == 0:
+        odd = odd_runs(base.case)
+        if not 0 < len(odd) < len(case.records):
+            return base.case, ()
+        part, findings = _concluded(examination(base.case.only(odd)))
+        return base.case.updated(part.records), findings
+    return _concluded(base)
+
+
+def odd_runs(case: Case) -> tuple[str, ...]:
+    """The runs that contradict themselves.
+
+    Args:
+        case: The campaign.
+
+    Returns:
+        Their names.
+    """
+    return tuple(
+        record.name
+        for record in case.records
+        if examination(case.only((record.name,))).severity > ODD
+    )
+
+
+def _concluded(base: Examination) -> tuple[Case, tuple[Finding, ...]]:
+    case = base.case
+    names = tuple(record.name for record in case.records)
+    if base.severity == 0:
+        return case, ()
+    options = _search(base) or [Explanation(base.severity, (), (), base)]
+    if options[0].left > SURE or odd_runs(options[0].examination.case):
+        some, names_of_some = _in_odd_runs(base)
+        if options[0].left > SURE and not (some and some[0].left < SURE):
+            options = _pairs(options)
+        if some and some[0].left < max(SURE, min(options[0].left, WORTH * base.severity)):
+            options, names = some, names_of_some
+    best = options[0]
+    figures = [(each.name, each.what, each.figures) for each in base.broken]
+    if best.left > WORTH * base.severity:
+        nothing = explained(
+            "unexplained", "nothing fits", {}, figures=figures, runs=names, alternatives=()
+        )
+        return case, (nothing,)
+    findings = tuple(
+        explained(
+            slip.id,
+            slip.what,
+            undone.step,
+            figures=figures,
+            runs=names,
+            alternatives=_alternatives(options),
+        )
+        for slip, undone in zip(best.slips, best.undone, strict=True)
+    )
+    return best.examination.case, findings
+
+
+def _search(base: Examination, without: Collection[str] = ()) -> list[Explanation]:
+    """Every slip undone, the best explanation first."""
+    found: list[Explanation] = []
+    for slip in CATALOGUE:
+        undone = None if slip.id in without else slip.undo(base.case)
+        if undone is None or not may_help(undone.case, base):
+            continue
+        # What is worse than the three best ones by the margin of an alternative is neither
+        # told nor followed by a second slip: it needn't be known how much worse.
+        best = sorted(each.left for each in found)[:BEST]
+        enough = best[-1] + MARGIN if len(best) == BEST else math.inf
+        after = examination(undone.case, base, enough=enough)
+        left = after.severity + VANISHED * _vanished(base, after, slip)
+        found.append(Explanation(left, (slip,), (undone,), after))
+    return sorted(found, key=lambda each: each.rank)  # stable: ties keep their order
+
+
+def _vanished(base: Examination, after: Examination, slip: Slip) -> int:
+    """Drives' gains that there were and are no more: a factor made their motion vanish."""
+    if slip.id == "label.kind":  # it takes a run's drives out of judgement, and may
+        return 0
+    gains = {each.name for each in base.drives if each.name.startswith("gain.")}
+    return len(gains - {each.name for each in after.drives})
+
+
+def _pairs(first: list[Explanation]) -> list[Explanation]:
+    """The best second slip after each of the three best first ones, beside single ones."""
+    found = list(first)
+    for start in first[:BEST]:
+        found += [
+            Explanation(
+                then.left + PRICE,
+                (*start.slips, *then.slips),
+                (*start.undone, *then.undone),
+                then.examination,
+            )
+            for then in _search(start.examination, (start.slips[0].id,))[:1]
+        ]
+    return sorted(found, key=lambda each: each.rank)
+
+
+def _in_odd_runs(base: Examination) -> tuple[list[Explanation], tuple[str, ...]]:
+    """Explanations by a slip in the odd runs alone, judged by the whole campaign."""
+    odd = odd_runs(base.case)
+    if not 0 < len(odd) < len(base.case.records):
+        return [], odd
+    found = []
+    for each in _search(examination(base.case.only(odd)))[:BEST]:
+        whole = base.case.updated(each.examination.case.records)
+        after = examination(whole)
+        found.append(each._replace(left=each.left + after.severity, examination=after))
+    return sorted(found, key=lambda each: each.rank), odd
+
+
+def _alternatives(options: list[Explanation]) -> tuple[str, ...]:
+    best = options[0]
+    chosen = {slip.id for slip in best.slips}
+    near = [
+        each.slips[0].id
+        for each in options[1:12]
+        if len(each.slips) == 1 and each.left < best.left + MARGIN
+    ]
+    return tuple(dict.fromkeys(name for name in near if name not in chosen))

@@ -1,0 +1,70 @@
+"""Units that aren't what the header says."""
+
+import math
+
+from identification.doctor.case import Case
+from identification.doctor.slips.edits import ANGLES, POSITIONS, TIMES, VOLTAGES, Undone, scaled
+from identification.doctor.slips.scales import ANGLE_FACTORS, LENGTH_FACTORS
+from identification.doctor.slips.slip import Slip
+
+TIME_FACTORS = ((1e-3, "ms as s"), (1e3, "s as ms"), (1e-6, "us as s"), (1e6, "s as us"))
+"""What undoes a unit of time, and what it was."""
+
+VOLT_FACTORS = ((1e-3, "mV as V"), (1e3, "V as mV"))
+"""What undoes a unit of voltage, and what it was."""
+
+AMPERES = 1 / 0.6
+"""Volts for an ampere of the paper's amplifiers, section 4.1 [V/A]."""
+
+
+def _scale(identifier: str, what: str, columns: tuple[str, ...], factor: float) -> Slip:
+    return Slip(identifier, what, lambda case: scaled(case, columns, factor))
+
+
+def _of_limit(what: str, share: float) -> Slip:
+    def undo(case: Case) -> Undone:
+        return scaled(case, VOLTAGES, case.rig.voltage_limit * share)
+
+    return Slip("unit.voltage", what, undo)
+
+
+ANGLE_UNITS: tuple[Slip, ...] = tuple(
+    _scale("unit.alpha", what, ANGLES, factor) for factor, what in ANGLE_FACTORS
+)
+"""Both encoders in another unit."""
+
+ROTATION_UNITS: tuple[Slip, ...] = tuple(
+    _scale("unit.delta_e", what, ("delta_e",), factor)
+    for factor, what in ((math.pi / 180, "degrees as rad"), (180 / math.pi, "rad as degrees"))
+)
+"""The rotation in another unit."""
+
+LENGTH_UNITS: tuple[Slip, ...] = tuple(
+    _scale("unit.position", what, POSITIONS, factor) for factor, what in LENGTH_FACTORS
+)
+"""The camera's lengths in another unit."""
+
+TIME_UNITS: tuple[Slip, ...] = tuple(
+    _scale(identifier, what, columns, factor)
+    for factor, what in TIME_FACTORS
+    for identifier, columns in (
+        ("unit.time_drive", TIMES[:1]),
+        ("unit.time_camera", TIMES[1:]),
+        ("unit.time", TIMES),
+    )
+)
+"""Time in another unit, in one stream or in both."""
+
+VOLTAGE_UNITS: tuple[Slip, ...] = (
+    *(_scale("unit.voltage", what, VOLTAGES, factor) for factor, what in VOLT_FACTORS),
+    _scale("unit.voltage", "amperes as V", VOLTAGES, AMPERES),
+    _of_limit("per cent of the limit as V", 1e-2),
+    _of_limit("per mille of the limit as V", 1e-3),
+    _of_limit("share of the limit as V", 1.0),
+    *(
+        _scale("unit.voltage", f"{column}: {what}", (column,), factor)
+        for column in VOLTAGES
+        for factor, what in VOLT_FACTORS
+    ),
+)
+"""The commands in another unit, of both drives or of one."""

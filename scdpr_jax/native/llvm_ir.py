@@ -1,0 +1,201 @@
+"""A program printed as LLVM IR, with a robot in each lane.
+
+Every number is a vector of lanes, those in arrays too. A step has few branches and loops and
+thousands of operations, so each operation is a line. Cells are plain memory; they stay in
+registers or in the first cache.
+"""
+
+import itertools
+import struct
+from collections.abc import Iterable, Iterator
+
+from scdpr_jax.native.scalar.program import (
+    Block,
+    Cell,
+    Constant,
+    Each,
+    If,
+    Loop,
+    Operation,
+    Program,
+    Value,
+    Variable,
+    own_cells,
+)
+
+_INTRINSICS = {
+    **{
+        own: own for own in ("sqrt", "floor", "ceil", "sin", "cos", "tan", "exp", "log", "tanh")
+    },
+    "abs": "fabs",
+    "round": "rint",
+}
+_LINES = {
+    **{
+        own: f"{{target}} = f{own} contract {{real}} {{}}, {{}}"
+        for own in ("add", "sub", "mul", "div")
+    },
+    **{
+        own: f"{{target}} = fcmp o{own} {{real}} {{}}, {{}}"
+        for own in ("lt", "le", "gt", "ge", "eq")
+    },
+    **{
+        own: f"{{target}} = call {{real}} @llvm.{intrinsic}.{{reals}}({{real}} {{}})"
+        for own, intrinsic in _INTRINSICS.items()
+    },
+    "pow": "{target} = call {real} @llvm.pow.{reals}({real} {}, {real} {})",
+    "ne": "{target} = fcmp une {real} {}, {}",
+    "neg": "{target} = fneg {real} {}",
+    "and": "{target} = and {boolean} {}, {}",
+    "or": "{target} = or {boolean} {}, {}",
+    "not": "{target} = xor {boolean} {}, splat (i1 true)",
+    "select": "{target} = select {boolean} {}, {real} {}, {real} {}",
+    "any": """\
+{target}.any = call i1 @llvm.vector.reduce.or.{booleans}({boolean} {})
+{target}.first = insertelement {boolean} poison, i1 {target}.any, i64 0
+{target} = shufflevector {boolean} {target}.first, {boolean} poison, {firsts}""",
+    "counter": """\
+{target}.real = sitofp i64 {} to double
+{target}.first = insertelement {real} poison, double {target}.real, i64 0
+{target} = shufflevector {real} {target}.first, {real} poison, {firsts}""",
+    # In 2^52 + 1023 + x the last bits of the mantissa are the exponent of 2^x.
+    "power_of_two": """\
+{target}.sum = fadd {real} {}, splat (double 4503599627371519.0)
+{target}.bits = bitcast {real} {target}.sum to {integer}
+{target}.shifted = shl {integer} {target}.bits, splat (i64 52)
+{target} = bitcast {integer} {target}.shifted to {real}""",
+}
+"""Contracted, $a b + c$ has one rounding, as XLA has it too."""
+
+
+def llvm_ir(program: Program, name: str, *, lanes: int) -> str:
+    """A program as a function of LLVM IR.
+
+    It gets a pointer for each argument and each result, in their order, and how many tangents
+    there are; a result may be written where an argument was.
+
+    Args:
+        program: The program.
+        name: Name of the function.
+        lanes: Robots in a vector.
+
+    Returns:
+        The text.
+    """
+    return "\n".join(_Printer(program, lanes).function(name))
+
+
+def loop(index: str, times: str, inside: Iterable[str]) -> Iterator[str]:
+    """A loop that counts from zero.
+
+    Args:
+        index: Name of the counter, which also names its labels.
+        times: How often, an operand.
+        inside: Lines of a turn.
+
+    Yields:
+        The lines.
+    """
+    yield f"br label %{index}.start"
+    yield f"{index}.start:"
+    yield f"br label %{index}.head"
+    yield f"{index}.head:"
+    yield f"%{index} = phi i64 [0, %{index}.start], [%{index}.next, %{index}.end]"
+    yield f"%{index}.more = icmp slt i64 %{index}, {times}"
+    yield f"br i1 %{index}.more, label %{index}.body, label %{index}.done"
+    yield f"{index}.body:"
+    yield from inside
+    yield f"br label %{index}.end"
+    yield f"{index}.end:"
+    yield f"%{index}.next = add i64 %{index}, 1"
+    yield f"br label %{index}.head"
+    yield f"{index}.done:"
+
+
+class _Printer:
+    """Prints the blocks of one program."""
+
+    def __init__(self, program: Program, lanes: int):
+        self.program = program
+        self.types = {False: f"<{lanes} x double>", True: f"<{lanes} x i1>"}
+        self.words = {
+            "real": self.types[False],
+            "boolean": self.types[True],
+            "reals": f"v{lanes}f64",
+            "booleans": f"v{lanes}i1",
+            "integer": f"<{lanes} x i64>",
+            "firsts": f"<{lanes} x i32> zeroinitializer",
+        }
+        self.numbers = itertools.count()
+
+    def function(self, name: str) -> Iterator[str]:
+        """All lines of the function."""
+        arrays = [*self.program.arguments, *self.program.results]
+        pointers = ", ".join(f"ptr %{array}" for array in arrays)
+        yield f"define void @{name}({pointers}, i64 %tangents) {{"
+        for cell in own_cells(self.program.body):
+            many = ", i64 %tangents" * cell.each
+            yield f"%c{cell.number} = alloca {self.types[cell.boolean]}{many}, align 64"
+        yield from self._block(self.program.body, "0")
+        yield "ret void\n}"
+
+    def _block(self, block: Block, tangent: str) -> Iterator[str]:
+        for statement in block:
+            n = next(self.numbers)
+            match statement:
+                case Operation(target, name, sources):
+                    yield from self._statement(target, name, sources, tangent)
+                case If(condition, then, otherwise):
+                    lanes = f"{self.types[True]} {_operand(condition)}"
+                    yield f"%if{n} = extractelement {lanes}, i64 0"
+                    yield f"br i1 %if{n}, label %then{n}, label %else{n}"
+                    for label, own in (("then", then), ("else", otherwise)):
+                        yield f"{label}{n}:"
+                        yield from self._block(own, tangent)
+                        yield f"br label %end{n}"
+                    yield f"end{n}:"
+                case Loop(counter, times, body):
+                    count = self._operation(counter, "counter", f"%k{n}")
+                    inside = itertools.chain([count], self._block(body, tangent))
+                    yield from loop(f"k{n}", str(times), inside)
+                case Each(body):
+                    yield from loop(f"p{n}", "%tangents", self._block(body, f"%p{n}"))
+
+    def _statement(
+        self, target: Variable | Cell, name: str, sources: tuple, tangent: str
+    ) -> Iterator[str]:
+        n = next(self.numbers)
+        match name:
+            case "write":
+                kind = self.types[target.boolean]
+                yield f"%at{n} = {self._place(target, tangent)}"
+                yield f"store {kind} {_operand(sources[0])}, ptr %at{n}, align 8"
+            case "read":
+                kind = self.types[target.boolean]
+                yield f"%at{n} = {self._place(sources[0], tangent)}"
+                yield f"{_operand(target)} = load {kind}, ptr %at{n}, align 8"
+            case _:
+                yield self._operation(target, name, *map(_operand, sources))
+
+    def _operation(self, target: Variable, name: str, *sources: str) -> str:
+        return _LINES[name].format(*sources, target=_operand(target), **self.words)
+
+    def _place(self, cell: Cell, tangent: str) -> str:
+        """Where a cell is: in which tangent's row of what array, and where there."""
+        kind, row = self.types[cell.boolean], tangent if cell.each else "0"
+        if not cell.array:
+            return f"getelementptr {kind}, ptr %c{cell.number}, i64 {row}"
+        size = self.program.size(cell.array)
+        return (
+            f"getelementptr [{size} x {kind}], ptr %{cell.array}, i64 {row}, i64 {cell.number}"
+        )
+
+
+def _operand(value: Value) -> str:
+    match value:
+        case Constant(known, True):
+            return f"splat (i1 {str(bool(known)).lower()})"
+        case Constant(known):
+            return f"splat (double 0x{struct.pack('>d', known).hex()})"
+        case _:
+            return f"%v{value.number}"

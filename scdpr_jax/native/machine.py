@@ -1,0 +1,193 @@
+"""Machine code of a step: made, or found on disk, and made known to XLA."""
+
+import functools
+import hashlib
+import pathlib
+import platform
+import sys
+import threading
+from dataclasses import replace
+from typing import NamedTuple
+
+import jax
+
+from scdpr_jax.native import store
+from scdpr_jax.native.handler import handler_ir
+from scdpr_jax.native.interface import header
+from scdpr_jax.native.kernel import Kernel
+from scdpr_jax.native.scalar.differentiation import PREFIX, differentiated
+from scdpr_jax.native.scalar.elementary import vectorised
+from scdpr_jax.native.scalar.program import Cell, Operation, Program, needed
+from scdpr_jax.native.scalar.reading import read
+from scdpr_jax.native.scalar.tangent_loops import loop_over_tangents
+from scdpr_jax.native.traced import Step
+
+CHECKED = ("linux", "x86_64")
+"""The system and the processor that this was checked on."""
+
+
+def is_checked() -> bool:
+    """Whether machine code was checked on this system.
+
+    Returns:
+        Whether it was.
+    """
+    return (sys.platform, platform.machine()) == CHECKED
+
+
+def handler_name(step: Step, moving: tuple[bool, ...], *, lanes: int) -> str:
+    """A handler that XLA knows, which does a step's runs.
+
+    Args:
+        step: The step.
+        moving: Which of its arguments have tangents; empty for values.
+        lanes: Robots in a vector.
+
+    Returns:
+        The handler's name.
+
+    Raises:
+        ImportError: If there is no llvmlite.
+        NotImplementedError: If a primitive has no rule, or XLA's interface is unknown.
+        RuntimeError: If LLVM or XLA refuses the code.
+        OSError: If the interface's header is missing.
+    """
+    with _one_at_a_time:
+        key = (step.name, moving, lanes)
+        if key not in _handlers:
+            _handlers[key] = _made(step, moving, lanes)
+        return _handlers[key].name
+
+
+class _Handler(NamedTuple):
+    """A handler that XLA knows."""
+
+    name: str
+    engine: object
+    """LLVM's, as long as which the code lives."""
+
+
+_one_at_a_time = threading.Lock()
+_handlers: dict[tuple, _Handler] = {}
+
+
+def _made(step: Step, moving: tuple[bool, ...], lanes: int) -> _Handler:
+    import llvmlite.binding as llvm
+
+    processor = _processor()
+    about = repr((step.name, moving, lanes)).encode()
+    name = "run_" + hashlib.sha256(_fingerprint() + about).hexdigest()[:40]
+    code = store.kept(name)
+    if code is None:
+        text = handler_ir(kernel(step, moving, name=name, lanes=lanes))
+        code = processor.emit_object(llvm.parse_assembly(text))
+        store.keep(name, code)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), processor)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    capsule = jax.ffi.pycapsule(engine.get_function_address(f"{name}_handler"))
+    jax.ffi.register_ffi_target(name, capsule, platform="cpu")
+    return _Handler(name, engine)
+
+
+def _processor() -> object:
+    """LLVM's code generator for this processor.
+
+    LLVM's optimiser is left out: it takes twice as long as the rest, and what it could do has
+    been done.
+    """
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(),
+        features=llvm.get_host_cpu_features().flatten(),
+        opt=2,
+        jit=True,
+    )
+
+
+@functools.cache
+def _fingerprint() -> bytes:
+    """What all machine code depends on: these sources, versions and the processor."""
+    import llvmlite
+    import llvmlite.binding as llvm
+
+    files = sorted(pathlib.Path(__file__).parent.rglob("*.py"))
+    processor = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())
+    versions = (jax.__version__, llvmlite.__version__, llvm.llvm_version_info)
+    about = repr((versions, processor, header())).encode()
+    return hashlib.sha256(b"".join([*(file.read_bytes() for file in files), about])).digest()
+
+
+def kernel(step: Step, moving: tuple[bool, ...], *, name: str, lanes: int) -> Kernel:
+    """A step as a kernel that repeats it.
+
+    Args:
+        step: The step.
+        moving: Which of its arguments have tangents; empty for values.
+        name: The step's name in the text.
+        lanes: Robots in a vector.
+
+    Returns:
+        The kernel.
+
+    Raises:
+        NotImplementedError: If a primitive has no rule.
+    """
+    arguments = step.arguments
+    seeds = [own for own, moves in zip(arguments, moving, strict=False) if moves]
+    program = scalar_program(step, seeds, vectors=lanes > 1)
+    own = {f"next{i}": f"carry{i}" for i in range(step.carried)}
+    carried = own | {PREFIX + n: PREFIX + c for n, c in own.items()}
+    return Kernel(
+        name,
+        program,
+        carried={n: c for n, c in carried.items() if n in program.results},
+        rows=frozenset(
+            array
+            for array in (*program.arguments, *program.results)
+            if array.removeprefix(PREFIX).startswith(("input", "output"))
+        ),
+        silent=frozenset(step.results) if seeds else frozenset(),
+        lanes=lanes,
+    )
+
+
+def scalar_program(step: Step, moving: list[str], *, vectors: bool) -> Program:
+    """A step as a program.
+
+    Args:
+        step: The step.
+        moving: Arguments with tangents. Where there are some, results are the derivatives,
+            and what is carried.
+        vectors: Whether it is for vectors, which have no sine of their own.
+
+    Returns:
+        The program.
+
+    Raises:
+        NotImplementedError: If a primitive has no rule.
+    """
+    program = read(step.closed, step.arguments, [*step.results], chains=bool(moving))
+    if moving:
+        program = differentiated(program, moving)
+        program = _without(program, {own for own in step.results if own.startswith("output")})
+    program = replace(program, body=needed(program.body))
+    if vectors:
+        program = vectorised(program)
+    return loop_over_tangents(program) if moving else program
+
+
+def _without(program: Program, results: set[str]) -> Program:
+    """A program that leaves out some results."""
+    body = tuple(
+        statement
+        for statement in program.body
+        if not isinstance(statement, Operation)
+        or not isinstance(statement.target, Cell)
+        or statement.target.array not in results
+    )
+    kept = {name: size for name, size in program.results.items() if name not in results}
+    return replace(program, results=kept, body=body)

@@ -1,0 +1,239 @@
+r"""A run of many steps as two JAX primitives: its results, and their derivatives.
+
+Where XLA compiles for a processor, each is a custom call of machine code (`machine`), with
+robots in lanes and groups of them on XLA's threads; elsewhere, and where there is no machine
+code, it is the ordinary XLA program of the same step.
+
+Operands have a leading axis of robots, tangents one of tangents behind it. Either is of length
+one where all share the row: nothing is copied for it. `vmap` over tangents alone, as `jacfwd`
+has it, lengthens the axis of tangents, any other the one of robots. Derivatives have their
+tangents last. Reverse mode and derivatives of derivatives are XLA's.
+"""
+
+import functools
+import warnings
+from collections.abc import Callable, Sequence
+
+import jax
+import jax.numpy as jnp
+from jax.extend.core import Primitive, jaxpr_as_fun
+from jax.interpreters import ad, batching, mlir
+
+from scdpr_jax.native import machine
+from scdpr_jax.native.traced import Step
+from scdpr_jax.numerics.lean_scan import lean_scan
+
+LANES = 8
+"""Robots in a vector; a robot alone has code of its own."""
+
+Shapes = list[jax.core.ShapedArray]
+
+
+def results(operands: Sequence[jax.Array], *, step: Step) -> list[jax.Array]:
+    """What a run of steps makes of its operands.
+
+    Args:
+        operands: Arguments of the step in float64 behind an axis of robots, its inputs with
+            one of steps behind that.
+        step: The step.
+
+    Returns:
+        What the last step carries on, and outputs, behind the same axes.
+    """
+    return _results_p.bind(*operands, step=step)
+
+
+def _longest(arrays: Sequence, axis: int) -> int:
+    return max(own.shape[axis] for own in arrays)
+
+
+def _inputs_from(step: Step) -> int:
+    """The first argument with a row for each step."""
+    return step.parameters + step.carried
+
+
+# The ordinary XLA way.
+
+
+def _results(*operands: jax.Array, step: Step) -> list[jax.Array]:
+    function = jaxpr_as_fun(step.closed)
+    kinds = [own.aval.dtype for own in step.closed.jaxpr.invars]
+
+    def one(*own: jax.Array) -> list[jax.Array]:
+        given = [x.astype(kind) for x, kind in zip(own, kinds, strict=True)]
+        parameters, held = given[: step.parameters], given[_inputs_from(step) :]
+
+        def advance(carry: list, row: list) -> tuple[list, list]:
+            made = function(*parameters, *carry, *row)
+            return made[: step.carried], made[step.carried :]
+
+        start = given[step.parameters : _inputs_from(step)]
+        last, outputs = lean_scan(advance, start, held)
+        return [x.astype(jnp.float64) for x in (*last, *outputs)]
+
+    robots = _longest(operands, 0)
+    axes = [0 if len(own) == robots else None for own in operands]
+    own = [x if axis == 0 else x[0] for x, axis in zip(operands, axes, strict=True)]
+    if robots == 1:
+        return [x[None] for x in one(*(x[0] for x in own))]
+    return jax.vmap(one, axes)(*own)
+
+
+def _moved(
+    given: Sequence, moving: tuple[bool, ...], **static: Step
+) -> tuple[Callable[..., list[jax.Array]], tuple[jax.Array, ...]]:
+    """Results as a function of what has tangents, and that, for each robot a tangent is for."""
+    operands, seeds = given[: len(moving)], given[len(moving) :]
+    own = [x for x, moves in zip(operands, moving, strict=True) if moves]
+    robots = [max(len(x), seed.aval.shape[0]) for x, seed in zip(own, seeds, strict=True)]
+
+    def function(*moved: jax.Array) -> list[jax.Array]:
+        new = iter(moved)
+        pairs = zip(operands, moving, strict=True)
+        return _results(*(next(new) if moves else x for x, moves in pairs), **static)
+
+    rows = zip(own, robots, strict=True)
+    return function, tuple(jnp.broadcast_to(x, (n, *x.shape[1:])) for x, n in rows)
+
+
+def _slopes(*given: jax.Array, moving: tuple[bool, ...], **static: Step) -> list[jax.Array]:
+    function, own = _moved(given, moving, **static)
+    seeds = given[len(moving) :]
+    shapes = [(len(x), _longest(seeds, 1), *x.shape[1:]) for x in own]
+    seeds = [jnp.broadcast_to(x, shape) for x, shape in zip(seeds, shapes, strict=True)]
+    return jax.vmap(lambda *along: jax.jvp(function, own, along)[1], 1, -1)(*seeds)
+
+
+# The printed way.
+
+
+def _lowered(
+    ctx: mlir.LoweringRuleContext, *given: object, step: Step, moving: tuple[bool, ...] = ()
+) -> object:
+    lanes = LANES if _longest(ctx.avals_in, 0) > 1 else 1
+    name = _handler_name(step, moving, lanes) if machine.is_checked() else None
+    if name:
+        return jax.ffi.ffi_lowering(name)(ctx, *given)
+    by_xla = (
+        functools.partial(_slopes, moving=moving, step=step)
+        if moving
+        else functools.partial(_results, step=step)
+    )
+    return mlir.lower_fun(by_xla, multiple_results=True)(ctx, *given)
+
+
+@functools.cache
+def _handler_name(step: Step, moving: tuple[bool, ...], lanes: int) -> str | None:
+    """Name of a handler; none if there can't be one, which is said once."""
+    try:
+        return machine.handler_name(step, moving, lanes=lanes)
+    except (ImportError, NotImplementedError, OSError, KeyError, RuntimeError) as reason:
+        warnings.warn(
+            f"A step runs as an XLA program, ten to fifty times slower: {reason!s:.500}",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+        return None
+
+
+# The primitives.
+
+
+def _merged(arrays: Sequence, axes: Sequence, size: int, at: int) -> list[jax.Array]:
+    """Arrays with a mapped axis put into another one; what all share stays of length one."""
+    pairs = zip(arrays, axes, strict=True)
+    wide = [jnp.expand_dims(x, at) if i is None else jnp.moveaxis(x, i, at) for x, i in pairs]
+    inner, merged = _longest(wide, at + 1), []
+    for x in wide:
+        both = (1, 1) if x.shape[at : at + 2] == (1, 1) else (size, inner)
+        full = jnp.broadcast_to(x, x.shape[:at] + both + x.shape[at + 2 :])
+        merged.append(full.reshape(*x.shape[:at], both[0] * both[1], *x.shape[at + 2 :]))
+    return merged
+
+
+def _batched(
+    own: Primitive, given: Sequence, axes: Sequence, **static: object
+) -> tuple[list[jax.Array], list[int]]:
+    count = len(static.get("moving", given))
+    pairs = zip(given, axes, strict=True)
+    size = next(x.shape[axis] for x, axis in pairs if axis is not None)
+    if any(axis is not None for axis in axes[:count]):
+        found = own.bind(*_merged(given, axes, size, 0), **static)
+        return [x.reshape(size, len(x) // size, *x.shape[1:]) for x in found], [0] * len(found)
+    seeds = _merged(given[count:], axes[count:], size, 1)
+    found = own.bind(*given[:count], *seeds, **static)
+    split = [x.reshape(*x.shape[:-1], size, x.shape[-1] // size) for x in found]
+    return split, [x.ndim - 1 for x in found]
+
+
+def _pushed(primals: Sequence, tangents: Sequence, *, step: Step) -> tuple[list, list]:
+    tangents = list(tangents)
+    for i in range(step.parameters, _inputs_from(step)):
+        tangents[i] = ad.instantiate_zeros(tangents[i])  # The next step's aren't zero.
+    moving = tuple(not isinstance(own, ad.Zero) for own in tangents)
+    seeds = [own[:, None] for own, moves in zip(tangents, moving, strict=True) if moves]
+    slopes = _slopes_p.bind(*primals, *seeds, moving=moving, step=step)
+    # A sum over one keeps mapped axes where they are; an index would move them to the front.
+    return _results_p.bind(*primals, step=step), [jnp.sum(own, -1) for own in slopes]
+
+
+def _pushed_again(primals: Sequence, tangents: Sequence, **static: object) -> tuple:
+    along = tuple(ad.instantiate_zeros(own) for own in tangents)
+    return jax.jvp(functools.partial(_slopes, **static), tuple(primals), along)
+
+
+def _pulled(
+    cotangents: Sequence, *given: object, moving: tuple[bool, ...], **static: Step
+) -> list:
+    seeds = given[len(moving) :]
+    function, own = _moved(given, moving, **static)
+    pull = jax.vmap(jax.vjp(function, *own)[1], -1, 1)
+    found = pull([ad.instantiate_zeros(cotangent) for cotangent in cotangents])
+    pulled: list = [None] * len(moving)
+    for x, seed in zip(found, seeds, strict=True):
+        shared = [i for i in (0, 1) if seed.aval.shape[i] < x.shape[i]]
+        wanted = ad.is_undefined_primal(seed)
+        pulled.append(jnp.sum(x, shared, keepdims=True) if wanted else None)
+    return pulled
+
+
+def _results_like(*given: jax.core.ShapedArray, step: Step) -> Shapes:
+    robots, rows = _longest(given, 0), {own.shape[1] for own in given[_inputs_from(step) :]}
+    if len(rows) != 1 or {own.shape[0] for own in given} - {1, robots}:
+        raise ValueError(
+            f"Arrays of a run differ in length [rows]: {[own.shape for own in given]}. Give "
+            "all inputs as many rows as there are steps."
+        )
+    shapes = [*step.results.values()]
+    long = [(robots, *own) for own in shapes[: step.carried]]
+    long += [(robots, *rows, *own) for own in shapes[step.carried :]]
+    return [given[0].update(shape=shape, weak_type=False) for shape in long]
+
+
+def _slopes_like(*given: jax.core.ShapedArray, moving: tuple[bool, ...], step: Step) -> Shapes:
+    values = _results_like(*given[: len(moving)], step=step)
+    seeds = given[len(moving) :]
+    robots, tangents = _longest(given, 0), _longest(seeds, 1)
+    return [own.update(shape=(robots, *own.shape[1:], tangents)) for own in values]
+
+
+@functools.cache
+def _compiled(own: Primitive, static: tuple) -> Callable:
+    return jax.jit(functools.partial(own.bind, **dict(static)))
+
+
+def _primitive(name: str, like: Callable, by_xla: Callable, jvp: Callable) -> Primitive:
+    own = Primitive(name)
+    own.multiple_results = True
+    own.def_impl(lambda *given, **static: _compiled(own, (*static.items(),))(*given))
+    own.def_abstract_eval(like)
+    ad.primitive_jvps[own] = jvp
+    batching.primitive_batchers[own] = functools.partial(_batched, own)
+    mlir.register_lowering(own, mlir.lower_fun(by_xla, multiple_results=True))
+    mlir.register_lowering(own, _lowered, platform="cpu")
+    return own
+
+
+_results_p = _primitive("native_run", _results_like, _results, _pushed)
+_slopes_p = _primitive("native_run_slopes", _slopes_like, _slopes, _pushed_again)
+ad.primitive_transposes[_slopes_p] = _pulled

@@ -1,0 +1,1 @@
+"""A step as a program of single numbers: read from its jaxpr, differentiated, made ready."""

@@ -1,0 +1,90 @@
+"""Machine code kept on disk between processes, in a folder that only its user can write.
+
+What is kept is executed, so it is trusted no further than its folder: that is the user's own,
+closed to others, and never relative. Without JAX's compilation cache nothing is kept. A file
+that isn't whole, or not what its name says, counts as none.
+"""
+
+import hashlib
+import os
+import pathlib
+import stat
+import tempfile
+import warnings
+
+import jax
+
+_MARK = b"scdpr-jax machine code 1\n"
+
+
+def folder() -> pathlib.Path | None:
+    """Where machine code is kept: beside what JAX's compilation cache keeps.
+
+    Returns:
+        The folder, which is there and is the user's alone; none if JAX keeps nothing or the
+        folder can't be trusted, which is said once.
+    """
+    cache = jax.config.jax_compilation_cache_dir
+    if not cache or "://" in cache:
+        return None
+    own = pathlib.Path(cache, "native")
+    if not own.is_absolute():
+        return _refused(own, "it is relative", "Name it in full.")
+    try:
+        own.mkdir(mode=0o700, parents=True, exist_ok=True)
+        found = own.lstat()
+    except OSError as reason:
+        return _refused(own, str(reason), "Name one that can be written.")
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid():
+        return _refused(own, "it is another's, or no folder", "Remove it.")
+    if stat.S_IMODE(found.st_mode) & 0o077:
+        return _refused(own, "others have access to it", "Give it the mode 0700.")
+    return own
+
+
+def _refused(own: pathlib.Path, reason: str, remedy: str) -> None:
+    warnings.warn(
+        f"Machine code isn't kept in {own}, as {reason}. {remedy}", RuntimeWarning, stacklevel=2
+    )
+
+
+def kept(name: str) -> bytes | None:
+    """Machine code from an earlier process.
+
+    Args:
+        name: What it depends on, hashed.
+
+    Returns:
+        The code; none where there is none, or not a whole one of this name.
+    """
+    own = folder()
+    if own is None:
+        return None
+    try:
+        found = (own / f"{name}.o").read_bytes()
+    except OSError:
+        return None
+    head = _MARK + name.encode() + b"\n"
+    digest, code = found[len(head) : len(head) + 32], found[len(head) + 32 :]
+    whole = found.startswith(head) and hashlib.sha256(code).digest() == digest
+    return code if whole else None
+
+
+def keep(name: str, code: bytes) -> None:
+    """Keeps machine code for later processes, if there is a place for it.
+
+    Args:
+        name: What it depends on, hashed.
+        code: The code.
+    """
+    own = folder()
+    if own is None:
+        return
+    head = _MARK + name.encode() + b"\n" + hashlib.sha256(code).digest()
+    try:
+        # A file is there whole or not at all, whoever else writes it.
+        with tempfile.NamedTemporaryFile(dir=own, delete=False) as part:
+            part.write(head + code)
+        pathlib.Path(part.name).replace(own / f"{name}.o")
+    except OSError as reason:
+        _refused(own, str(reason), "Make room, or name another folder.")

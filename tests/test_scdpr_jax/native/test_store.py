@@ -1,0 +1,122 @@
+"""Machine code is kept for later processes, and only where it can be trusted."""
+
+import os
+import stat
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from scdpr_jax import native
+from scdpr_jax.native import machine, primitive, store
+
+INPUTS = jnp.linspace(0.0, 1.0, 20)
+
+
+@pytest.fixture
+def cache(tmp_path):
+    """JAX's compilation cache in a folder that is forgotten afterwards."""
+    before = jax.config.jax_compilation_cache_dir
+    jax.config.update("jax_compilation_cache_dir", str(tmp_path))
+    yield tmp_path
+    jax.config.update("jax_compilation_cache_dir", before)
+
+
+def test_what_is_kept_is_found(cache):
+    assert store.kept("name") is None
+    store.keep("name", b"code")
+    assert store.kept("name") == b"code"
+    assert stat.S_IMODE((cache / "native").stat().st_mode) == 0o700
+    assert stat.S_IMODE((cache / "native" / "name.o").stat().st_mode) == 0o600
+
+
+@pytest.mark.parametrize("damage", [slice(0, 20), slice(0, -1), slice(1, None), slice(0, 0)])
+def test_a_damaged_file_counts_as_none(cache, damage):
+    store.keep("name", b"code")
+    file = cache / "native" / "name.o"
+    file.write_bytes(file.read_bytes()[damage])
+    assert store.kept("name") is None
+
+
+def test_a_foreign_file_counts_as_none(cache):
+    store.keep("name", b"code")
+    (cache / "native" / "name.o").rename(cache / "native" / "other.o")
+    assert store.kept("other") is None
+
+
+def test_a_folder_that_others_can_write_is_refused(cache):
+    (cache / "native").mkdir(mode=0o700)
+    (cache / "native").chmod(0o770)
+    with pytest.warns(RuntimeWarning, match="others have access"):
+        store.keep("name", b"code")
+    assert not [*(cache / "native").iterdir()]
+
+
+def test_a_link_in_place_of_the_folder_is_refused(cache, tmp_path_factory):
+    (cache / "native").symlink_to(tmp_path_factory.mktemp("elsewhere"))
+    with pytest.warns(RuntimeWarning, match="no folder"):
+        assert store.kept("name") is None
+
+
+def test_another_users_folder_is_refused(cache, monkeypatch):
+    monkeypatch.setattr(os, "geteuid", lambda: 12345)
+    with pytest.warns(RuntimeWarning, match="another's"):
+        assert store.folder() is None
+
+
+def test_a_relative_folder_is_refused(cache):
+    jax.config.update("jax_compilation_cache_dir", "relative")
+    with pytest.warns(RuntimeWarning, match="relative"):
+        assert store.folder() is None
+
+
+def test_without_jax_cache_nothing_is_kept(cache):
+    jax.config.update("jax_compilation_cache_dir", None)
+    store.keep("name", b"code")
+    assert store.kept("name") is None
+
+
+def forgotten():
+    primitive._handler_name.cache_clear()
+    machine._handlers.clear()
+
+
+def test_a_later_process_compiles_nothing_and_a_damaged_object_is_made_anew(cache, monkeypatch):
+    def step(gain, carry, row):
+        return jnp.sin(carry) * gain + 0.1875 * row, carry
+
+    def run():
+        return jax.jit(lambda k: native.run(step, k, jnp.array(0.5), INPUTS)[0])(0.7)
+
+    forgotten()
+    first = run()
+    [file] = (cache / "native").iterdir()
+    made = file.read_bytes()
+
+    forgotten()
+    with monkeypatch.context() as patched:
+        patched.setattr(machine, "kernel", None)
+        assert run() == first
+
+    file.write_bytes(made[:-100] + bytes(100))
+    forgotten()
+    assert run() == first
+    assert file.read_bytes() == made
+
+
+def test_a_name_depends_on_all_that_code_depends_on(monkeypatch):
+    def name(gain, **change):
+        def step(k, carry, row):
+            return gain * k * carry + row, carry
+
+        traced = native.running._traced(step, jnp.array(1.0), jnp.array(1.0), INPUTS)
+        return traced.step.name
+
+    assert name(2.0) == name(2.0)
+    assert name(2.0) != name(np.nextafter(2.0, 3.0))
+    before = machine._fingerprint()
+    machine._fingerprint.cache_clear()
+    monkeypatch.setattr(machine, "header", lambda: "another")
+    assert machine._fingerprint() != before
+    machine._fingerprint.cache_clear()
