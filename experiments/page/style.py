@@ -10,7 +10,7 @@ from typing import ParamSpec, TypeVar
 
 import matplotlib
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -149,7 +149,10 @@ def figure_legend(figure: Figure, axes: Axes, *, columns: int = 5) -> None:
 
 
 def thinned(
-    x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], *, points: int = DRAWN_POINTS
+    x: Float[Array | np.ndarray, " n"],
+    y: Float[Array | np.ndarray, " n"],
+    *,
+    points: int = DRAWN_POINTS,
 ) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, " m"]]:
     """A dense series with fewer points that looks the same: each stretch's extremes.
 
@@ -161,6 +164,7 @@ def thinned(
     Returns:
         Abscissae and ordinates, in order; unchanged if there are few already.
     """
+    x, y = np.asarray(x), np.asarray(y)
     if len(x) <= points:
         return x, y
     kept = {0, len(x) - 1}
