@@ -115,6 +115,37 @@ def label(name: str, unit: str) -> str:
     return f"{name} [{unit}]"
 
 
+def panels(
+    rows: int,
+    columns: int,
+    *,
+    height: float,
+    width: float = WIDTH,
+    widths: tuple[float, ...] | None = None,
+    sharex: bool = False,
+    sharey: bool = False,
+) -> tuple[Figure, np.ndarray]:
+    """An empty figure with its panels, row after row.
+
+    Args:
+        rows: Rows of panels.
+        columns: Columns of panels.
+        height: Height of the figure [inch].
+        width: Width of the figure [inch].
+        widths: The columns' widths in relation to each other; all the same by default.
+        sharex: Whether all have the same horizontal axis.
+        sharey: Whether all have the same vertical axis.
+
+    Returns:
+        The figure and its axes.
+    """
+    figure = new_figure(height=height, width=width)
+    grid = figure.subplots(
+        rows, columns, width_ratios=widths, sharex=sharex, sharey=sharey, squeeze=False
+    )
+    return figure, grid.ravel()
+
+
 def legend_above(axes: Axes, *, columns: int = 4) -> None:
     """A legend above the axes, where it can't cover data.
 

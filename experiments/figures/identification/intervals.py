@@ -83,8 +83,7 @@ def intervals(
         The figure.
     """
     rows = relative_intervals(parameters, truth=truth)
-    figure = style.new_figure(height=1.2 + 0.38 * len(rows), width=9.0)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=1.2 + 0.38 * len(rows), width=9.0)
     sizes = [100 * row.half_width for row in rows if 0 < row.half_width < np.inf]
     errors = [100 * abs(row.error) for row in rows if row.error]
     least = 10 ** np.floor(np.log10(min([*sizes, *errors, 1.0])) - 0.3)

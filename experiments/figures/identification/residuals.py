@@ -51,8 +51,7 @@ def residuals(comparison: Comparison) -> Figure:
     """
     found = residuals_in_sigma(comparison)
     camera = [coordinate for coordinate in CAMERA if coordinate.name in found]
-    figure = style.new_figure(height=2.4)
-    grid = np.atleast_1d(figure.subplots(1, 2 if camera else 1, sharex=True))
+    figure, grid = style.panels(1, 2 if camera else 1, sharex=True, height=2.4)
     if camera:
         for coordinate in camera:
             grid[0].plot(

@@ -20,8 +20,7 @@ def bode(loop: OpenLoop, margins: Margins) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=4.4, width=9.0)
-    above, below = figure.subplots(2, 1, sharex=True)
+    figure, (above, below) = style.panels(2, 1, sharex=True, height=4.4, width=9.0)
     above.semilogx(loop.angular_frequency, loop.gain, color=style.BLUE)
     below.semilogx(loop.angular_frequency, loop.phase, color=style.BLUE)
     above.axhline(0, color=style.GREY, lw=0.8)

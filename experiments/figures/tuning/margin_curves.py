@@ -23,8 +23,7 @@ def margin_curves(found: MarginMap) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=4.0)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = style.panels(1, 2, height=4.0)
     margins = found.flexible.margins
     _curves(left, found, np.degrees(np.asarray(margins.phase_margin)))
     _curves(right, found, np.asarray(margins.peak_sensitivity))

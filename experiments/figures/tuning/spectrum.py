@@ -96,8 +96,7 @@ def duration_against_vibration(design: SpectrumDesign) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.8)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=3.8)
     durations, vibrations = front_curve(design)
     axes.plot(
         durations,

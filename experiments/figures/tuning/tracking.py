@@ -24,8 +24,7 @@ def tracking(before: Leg, after: Leg, *, voltage_limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=6.2)
-    position, error, rest, command = figure.subplots(2, 2).ravel()
+    figure, (position, error, rest, command) = style.panels(2, 2, height=6.2)
     axis = int(np.ptp(before.reference[:, 1]) > np.ptp(before.reference[:, 0]))
     position.plot(
         *style.thinned(before.time, 1e3 * before.reference[:, axis]),

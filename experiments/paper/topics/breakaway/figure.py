@@ -21,8 +21,7 @@ def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.4)
-    run, histogram = figure.subplots(1, 2)
+    figure, (run, histogram) = style.panels(1, 2, height=3.4)
     shown = loose.time <= _SHOWN
     for repeat in range(_DRAWN):
         run.plot(

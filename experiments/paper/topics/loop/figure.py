@@ -23,8 +23,7 @@ def draw_step_response(response: StepResponse) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=2.8, width=6.0)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=2.8, width=6.0)
     axes.plot(
         response.time, response.speed, "o", ms=3, color=style.BLUE, label="encoder, 10 ms"
     )
@@ -44,8 +43,7 @@ def draw_bode(designs: dict[str, Design]) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.2)
-    gain, phase = figure.subplots(1, 2)
+    figure, (gain, phase) = style.panels(1, 2, height=3.2)
     omega = np.geomspace(5, 500, 300)
     for (name, design), colour in zip(
         designs.items(), (style.BLUE, style.VERMILION), strict=True
