@@ -38,22 +38,22 @@ def relative_intervals(
     Returns:
         One for each estimated parameter.
     """
-    found = []
+    relative = []
     for parameter in parameters:
         if parameter.status == "fixed":
             continue
         half = (parameter.interval95[1] - parameter.interval95[0]) / 2
         size = magnitude(parameter.name, parameter.value)
-        known = (truth or {}).get(parameter.name)
-        found.append(
+        true = (truth or {}).get(parameter.name)
+        relative.append(
             RelativeInterval(
                 name=shown_name(parameter),
                 half_width=half / size if size else np.inf,
-                error=parameter.value / known - 1 if known else None,
+                error=parameter.value / true - 1 if true else None,
                 status=parameter.status,
             )
         )
-    return tuple(found)
+    return tuple(relative)
 
 
 def shown_name(parameter: ParameterEstimate) -> str:

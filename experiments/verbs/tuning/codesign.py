@@ -57,12 +57,12 @@ def codesign(
         seed=seed,
     )
     with shown_progress(ERRORS) as progress:
-        found = design(fitted, scope, progress=progress)
+        co_design = design(fitted, scope, progress=progress)
     result, report = out / "codesign.json", out / "codesign.html"
-    write_codesign(result, found)
-    margins = margin_map(found.robots, found.chosen.law.controller)
-    write_whole(report, codesign_report.codesign_page(found, margins, name=str(parameters)))
-    codesign_report.show(OUT, found)
+    write_codesign(result, co_design)
+    margins = margin_map(co_design.robots, co_design.chosen.law.controller)
+    write_whole(report, codesign_report.codesign_page(co_design, margins, name=str(parameters)))
+    codesign_report.show(OUT, co_design)
     wrote(result, report)
     suggest(f"open {report}")
-    return DONE if found.holds else FELL_SHORT
+    return DONE if co_design.holds else FELL_SHORT

@@ -33,12 +33,12 @@ def draw_fig3(numbers: Workspaces) -> Figure:
         axes.set_title(cables.name)
         printed = PRINTED[cables.minimum]
         maximum = cables.maximum_for(printed)
-        told = (
+        requirement = (
             f"{100 * printed:.2f} % needs T_max {maximum:.0f} N"
             if np.isfinite(maximum)
             else f"{100 * printed:.2f} % at no T_max: {100 * cables.share(1e9):.1f} % at most"
         )
-        axes.set_xlabel(told)
+        axes.set_xlabel(requirement)
     bar = figure.colorbar(filled, ax=list(panels), shrink=0.9, pad=0.01)
     bar.set_label("T_max that a pose needs [N]")
     return figure
