@@ -69,14 +69,14 @@ def start_of(robot: Robot) -> State:
     return rest(robot, at, at, jnp.asarray(HEIGHT, at.dtype))
 
 
-def error(found: Float[np.ndarray, "..."], truth: Float[np.ndarray, "..."]) -> float:
+def error(positions: Float[np.ndarray, "..."], truth: Float[np.ndarray, "..."]) -> float:
     """Largest error of a position, a tilt counted as the way of the attachments.
 
     Args:
-        found: Positions.
+        positions: Positions.
         truth: What they should be.
 
     Returns:
         The error [m].
     """
-    return float(np.abs((found - truth) * np.array([1.0, ARM, 1.0, 1.0, 1.0])).max())
+    return float(np.abs((positions - truth) * np.array([1.0, ARM, 1.0, 1.0, 1.0])).max())

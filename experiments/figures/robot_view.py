@@ -167,8 +167,7 @@ def robot_view(
         The figure, two panels a row.
     """
     rows = (len(instants) + 1) // 2
-    figure = style.new_figure(height=2.9 * rows)
-    grid = np.atleast_2d(figure.subplots(rows, 2, sharex=True, sharey=True)).ravel()
+    figure, grid = style.panels(rows, 2, sharex=True, sharey=True, height=2.9 * rows)
     trace = 1e3 * path[:: max(1, len(path) // 300)]
     for axes, instant in zip(grid, instants, strict=False):
         row = int(np.argmin(np.abs(time - instant)))

@@ -46,8 +46,8 @@ def inline_svg(figure: Figure, *, name: str, description: str) -> str:
     text = _OUTER.sub("", file.getvalue(), count=1)
     for unwanted in (_METADATA, _NAMESPACE, _COMMENT):
         text = unwanted.sub("", text)
-    text = _SIZE.sub(lambda found: found[1] or found[2], text)
-    text = _SIZE.sub(lambda found: found[1] or found[2], text)
+    text = _SIZE.sub(lambda match: match[1] or match[2], text)
+    text = _SIZE.sub(lambda match: match[1] or match[2], text)
     text = _IDENTIFIER.sub(f'id="{name}-', text)
     text = _REFERENCE.sub(f'href="#{name}-', text)
     text = text.replace("url(#", f"url(#{name}-")

@@ -92,10 +92,10 @@ def versions() -> tuple[tuple[str, str], ...]:
     Returns:
         Names and versions of the packages, of Python and of the machine.
     """
-    found = [("Python", f"{platform.python_version()} on {platform.machine()}")]
+    rows = [("Python", f"{platform.python_version()} on {platform.machine()}")]
     for name in _PACKAGES:
         try:
-            found.append((name, importlib.metadata.version(name)))
+            rows.append((name, importlib.metadata.version(name)))
         except importlib.metadata.PackageNotFoundError:
-            found.append((name, "not installed as a package"))
-    return tuple(found)
+            rows.append((name, "not installed as a package"))
+    return tuple(rows)

@@ -10,7 +10,7 @@ from typing import ParamSpec, TypeVar
 
 import matplotlib
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -115,6 +115,37 @@ def label(name: str, unit: str) -> str:
     return f"{name} [{unit}]"
 
 
+def panels(
+    rows: int,
+    columns: int,
+    *,
+    height: float,
+    width: float = WIDTH,
+    widths: tuple[float, ...] | None = None,
+    sharex: bool = False,
+    sharey: bool = False,
+) -> tuple[Figure, np.ndarray]:
+    """An empty figure with its panels, row after row.
+
+    Args:
+        rows: Rows of panels.
+        columns: Columns of panels.
+        height: Height of the figure [inch].
+        width: Width of the figure [inch].
+        widths: The columns' widths in relation to each other; all the same by default.
+        sharex: Whether all have the same horizontal axis.
+        sharey: Whether all have the same vertical axis.
+
+    Returns:
+        The figure and its axes.
+    """
+    figure = new_figure(height=height, width=width)
+    grid = figure.subplots(
+        rows, columns, width_ratios=widths, sharex=sharex, sharey=sharey, squeeze=False
+    )
+    return figure, grid.ravel()
+
+
 def legend_above(axes: Axes, *, columns: int = 4) -> None:
     """A legend above the axes, where it can't cover data.
 
@@ -149,7 +180,10 @@ def figure_legend(figure: Figure, axes: Axes, *, columns: int = 5) -> None:
 
 
 def thinned(
-    x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"], *, points: int = DRAWN_POINTS
+    x: Float[Array | np.ndarray, " n"],
+    y: Float[Array | np.ndarray, " n"],
+    *,
+    points: int = DRAWN_POINTS,
 ) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, " m"]]:
     """A dense series with fewer points that looks the same: each stretch's extremes.
 
@@ -161,6 +195,7 @@ def thinned(
     Returns:
         Abscissae and ordinates, in order; unchanged if there are few already.
     """
+    x, y = np.asarray(x), np.asarray(y)
     if len(x) <= points:
         return x, y
     kept = {0, len(x) - 1}

@@ -137,7 +137,7 @@ def write(parts: Sequence[Reproduced], out: pathlib.Path) -> tuple[pathlib.Path,
         title="The paper, figure by figure, and judged",
         parts=parts,
         counts=[(verdict.value, count) for verdict, count in counts(parts).items()],
-        fallen=[one for part in parts for one in part.judged if not one.stands],
+        fallen=[each for part in parts for each in part.judged if not each.stands],
         provenance=versions(),
     )
     write_whole(report, text)

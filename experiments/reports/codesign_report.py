@@ -15,7 +15,7 @@ from experiments.studies.findings.tuning import worst_margins_sentence
 from tuning.codesign import CoDesign, Designed
 from tuning.codesign.recommendation import DESIGNED
 from tuning.loop.admissible import PEAK_SENSITIVITY, PHASE_MARGIN
-from tuning.loop.worst_margins import margin_map
+from tuning.loop.worst_margins import MarginMap
 
 _METHOD = (
     "Every model is a horizontal leg from rest to a pose of the grid, by a robot drawn from "
@@ -35,19 +35,19 @@ _METHOD = (
 )
 
 
-def sentences(found: CoDesign) -> list[str]:
+def sentences(design: CoDesign) -> list[str]:
     """What a co-design comes to, in plain words.
 
     Args:
-        found: The co-design.
+        design: The co-design.
 
     Returns:
         Sentences.
     """
-    chosen, law = found.chosen, found.chosen.law
-    held = found.held_out
+    chosen, law = design.chosen, design.chosen.law
+    held = design.held_out
     alone, with_zv = (held[name] for name in held if name != DESIGNED)
-    phase = next((m for m in found.margins if m.measure == "phase_margin"), None)
+    phase = next((m for m in design.margins if m.measure == "phase_margin"), None)
     lines = [
         f"Recommended: moves of {plain(chosen.move_time, 3)} s with the gains "
         f"{short(float(law.controller.proportional_gain), 4)} V/rad and "
@@ -55,8 +55,8 @@ def sentences(found: CoDesign) -> list[str]:
         f"it wasn't made for, the worst tenth vibrates {_mm(held[DESIGNED].vibration)} mm "
         f"after the move, against {_mm(alone.vibration)} mm with Eq. (25) alone and "
         f"{_mm(with_zv.vibration)} mm with a ZV shaper in the same time.",
-        worst_margins_sentence(found.margins),
-        "With the gains of Eq. (25): " + worst_margins_sentence(found.margins_before),
+        worst_margins_sentence(design.margins),
+        "With the gains of Eq. (25): " + worst_margins_sentence(design.margins_before),
     ]
     if phase is not None:
         lines.append(
@@ -70,7 +70,7 @@ def sentences(found: CoDesign) -> list[str]:
             f"against {_mm(before)} mm. Friction holds the upper carriage out of line, and "
             "softer drives end further off: `scdpr plan` leads a leg into line."
         )
-    if not found.holds:
+    if not design.holds:
         lines.append(
             "SHORT of what is asked: margins or the drives' limit aren't kept everywhere. "
             "Give the move more time, `--move-times`."
@@ -78,18 +78,18 @@ def sentences(found: CoDesign) -> list[str]:
     return lines
 
 
-def tables(found: CoDesign) -> tuple[Table, Table, Table]:
+def tables(design: CoDesign) -> tuple[Table, Table, Table]:
     """The design in numbers, the front, and the models that weren't seen.
 
     Args:
-        found: The co-design.
+        design: The co-design.
 
     Returns:
         Three tables.
     """
-    law = found.chosen.law
+    law = design.chosen.law
     impulses = zip(law.shaper.times, law.shaper.amplitudes, strict=True)
-    design = Table(
+    recommended = Table(
         "The recommended design",
         ("quantity", "value"),
         (
@@ -106,13 +106,13 @@ def tables(found: CoDesign) -> tuple[Table, Table, Table]:
             ),
         ),
     )
-    named = {DESIGNED: found.front, **found.compared}
+    named = {DESIGNED: design.front, **design.compared}
     return (
-        design,
+        recommended,
         _figures("Move time against vibration, all models", named),
         _figures(
             "Robots and poses that no design has seen",
-            {name: (one,) for name, one in found.held_out.items()},
+            {name: (one,) for name, one in design.held_out.items()},
         ),
     )
 
@@ -153,42 +153,43 @@ def _mm(metres: float) -> str:
     return plain(1e3 * float(metres))
 
 
-def show(console: Console, found: CoDesign) -> None:
+def show(console: Console, design: CoDesign) -> None:
     """Print a co-design.
 
     Args:
         console: Where to print it.
-        found: The co-design.
+        design: The co-design.
     """
-    for table in tables(found):
+    for table in tables(design):
         print_table(console, table)
-    print_lines(console, sentences(found))
+    print_lines(console, sentences(design))
 
 
-def codesign_page(found: CoDesign, *, name: str) -> str:
+def codesign_page(design: CoDesign, margins: MarginMap, *, name: str) -> str:
     """A co-design as a page that needs nothing else.
 
     Args:
-        found: The co-design.
+        design: The co-design.
+        margins: Margins over the workspace with the recommended gains.
         name: Where the robot's parameters were read from.
 
     Returns:
         HTML.
     """
-    picture, scope = Pictures(), found.scope
+    picture, scope = Pictures(), design.scope
     columns, rows = scope.grid
     settings = ", ".join(f"{setting:g} N" for setting in scope.settings)
     return page(
         "findings.html.j2",
         title="Co-design of gains, shaper and leg",
-        sentences=sentences(found),
-        tables=tables(found),
+        sentences=sentences(design),
+        tables=tables(design),
         pictures=[
             picture(
                 pareto(
-                    {DESIGNED: found.front, **found.compared},
-                    found.held_out,
-                    chosen=found.chosen,
+                    {DESIGNED: design.front, **design.compared},
+                    design.held_out,
+                    chosen=design.chosen,
                 ),
                 "Left: what the worst tenth of the models vibrates after a move (solid, mean) "
                 "and the worst of all (dashed), over the move's time. Right: robots and poses "
@@ -196,7 +197,7 @@ def codesign_page(found: CoDesign, *, name: str) -> str:
                 "is better.",
             ),
             picture(
-                margin_curves(margin_map(found.robots, found.chosen.law.controller)),
+                margin_curves(margins),
                 "Margins of the flexible robot's loops with the recommended gains over the "
                 "height of the end-effector. Dotted: 30° and 2, which the design keeps.",
             ),

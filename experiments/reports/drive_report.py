@@ -170,10 +170,10 @@ def law_sentences(laws: AxisLaws, *, position_unit: str) -> list[str]:
     if not laws.extended_is_preferred:
         return [f"{compared}: the usual law is enough."]
     rows = axis_rows(laws.extended, position_unit=position_unit)
-    told = "; ".join(f"{row.meaning} {row.value} {row.unit}" for row in rows)
+    terms = "; ".join(f"{row.meaning} {row.value} {row.unit}" for row in rows)
     error = plain(1e3 * float(laws.extended.open_loop_rmse), 3)
     return [
         f"{compared}: what was held out prefers the extended law.",
-        f"The extended law over the whole record, open loop {error} {unit} rms: {told}. It is "
+        f"The extended law over the whole record, open loop {error} {unit} rms: {terms}. It is "
         "in parameters.json under `extended`.",
     ]

@@ -56,7 +56,7 @@ def parameter_row(
     Returns:
         The line.
     """
-    known = {quantity.name: quantity for quantity in EVERY_QUANTITY}.get(parameter.name)
+    quantity = {quantity.name: quantity for quantity in EVERY_QUANTITY}.get(parameter.name)
     low, high = parameter.interval95
     half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
     fixed = parameter.status == "fixed"
@@ -66,8 +66,8 @@ def parameter_row(
     true = None if fixed else (truth or {}).get(parameter.name)
     return Row(
         name=parameter.name,
-        symbol=plain_symbol(known.symbol) if known else ("", ""),
-        meaning=known.meaning if known else parameter.name.replace("_", " "),
+        symbol=plain_symbol(quantity.symbol) if quantity else ("", ""),
+        meaning=quantity.meaning if quantity else parameter.name.replace("_", " "),
         setting=parameter.setting or "",
         value=rounded(parameter.value, half),
         low="" if untold else rounded(low, half),

@@ -137,8 +137,8 @@ def method_notes() -> tuple[str, ...]:
     Returns:
         Paragraphs in plain text.
     """
-    told = inspect.getdoc(covariance) or ""
-    paragraphs = told.split("\nArgs:")[0].strip().split("\n\n")
+    docstring = inspect.getdoc(covariance) or ""
+    paragraphs = docstring.split("\nArgs:")[0].strip().split("\n\n")
     return (
         "All runs are simulated from their commands with exact Coulomb friction, and the "
         "parameters minimise what is left between simulation and measurement, weighted with "

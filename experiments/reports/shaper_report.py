@@ -8,7 +8,7 @@ from experiments.page.console_text import print_lines, print_table
 from experiments.page.number_text import percent, plain
 from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
-from experiments.studies.findings.tuning import NamedShaper
+from experiments.studies.findings.responses import NamedShaper
 from scdpr_jax.command.shaper import Shaper
 from tuning.shapers.measures import smoothing
 from tuning.shapers.shaper_file import ACCELERATION

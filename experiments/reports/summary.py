@@ -145,5 +145,5 @@ def show_axis(
     rows = axis_rows(estimate, position_unit=position_unit)
     print_table(console, parameters_table(rows, with_truth=False), styles=_STYLES)
     # The parameters are in the table already.
-    told = axis_sentences(estimate, position_unit=position_unit)[len(estimate.names) :]
-    print_lines(console, [*told, *law_sentences(laws, position_unit=position_unit)])
+    sentences = axis_sentences(estimate, position_unit=position_unit)[len(estimate.names) :]
+    print_lines(console, [*sentences, *law_sentences(laws, position_unit=position_unit)])

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from experiments.figures.tuning.bode import bode, open_loop
+from experiments.figures.tuning.bode import bode
 from experiments.figures.tuning.margin_curves import margin_curves
 from experiments.figures.tuning.residual_vibration_map import residual_vibration_map
 from experiments.figures.tuning.shaper_response import shaper_response
@@ -12,6 +12,7 @@ from experiments.figures.tuning.tracking import tracking
 from experiments.page.number_text import capitalised, percent, plain, short
 from experiments.page.page import Picture, Pictures
 from experiments.page.table import Table, table_of
+from experiments.studies.findings.responses import open_loop
 from experiments.studies.findings.tuning import TuningFindings, region_name
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot

@@ -21,12 +21,12 @@ UNTOLD = math.log(2)
 
 
 def known_rig(
-    found: FittedRobot, *, setting: str | None, log_rate: float, top_speed: float
+    fitted: FittedRobot, *, setting: str | None, log_rate: float, top_speed: float
 ) -> Rig:
     """What a fit knows of a rig at one pretension.
 
     Args:
-        found: What `scdpr identify` wrote.
+        fitted: What `scdpr identify` wrote.
         setting: The nominal pretension, "350 N"; None for the first one known.
         log_rate: Rate of the logs [Hz].
         top_speed: Largest speed of the end-effector [m/s].
@@ -37,15 +37,15 @@ def known_rig(
     Raises:
         ValueError: If nothing was estimated, or the setting isn't known.
     """
-    rows = found.estimated
-    if not rows or found.correlation is None:
+    rows = fitted.estimated
+    if not rows or fitted.correlation is None:
         raise ValueError(
             f"the parameters' uncertainty isn't known, got {len(rows)} estimated parameters "
             "and no correlation of that size. Give a parameters.json that `scdpr identify` "
             "wrote."
         )
     label = setting or next((row.setting for row in rows if row.name == PER_SETTING), None)
-    robot = found.of_setting(label) if label else found.robot
+    robot = fitted.of_setting(label) if label else fitted.robot
     # What its bound stops was taken for known in the errors of the others.
     at = [
         k
@@ -55,8 +55,8 @@ def known_rig(
     ]
     kept = [rows[k] for k in at]
     sigma = np.array([_spread(row) for row in kept])
-    correlation = found.correlation[np.ix_(at, at)]
-    noise = _typical([r for r in found.residuals if r.channel in ENCODERS], "noise_sigma")
+    correlation = fitted.correlation[np.ix_(at, at)]
+    noise = _typical([r for r in fitted.residuals if r.channel in ENCODERS], "noise_sigma")
     return Rig(
         robot=robot,
         names=tuple(row.name for row in kept),
@@ -65,7 +65,7 @@ def known_rig(
         count=math.sqrt(12) * (noise or Sensors().encoder_sigma),
         log_rate=log_rate,
         top_speed=top_speed,
-        **rig_errors(errors(found.residuals, log_rate)),
+        **rig_errors(errors(fitted.residuals, log_rate)),
     )
 
 

@@ -15,8 +15,8 @@ def _frequencies(robot: Robot, at: Values) -> tuple[Array, ...]:
     reachable = (height > body.lower_offset) & (height < robot.frame.height - body.upper_offset)
     # Beyond, a cable would have to point the other way; the middle keeps the numbers real.
     inside = jnp.where(reachable, height, robot.frame.height / 2)
-    found = [natural_frequencies(robot, inside, condition) for condition in CONDITIONS]
-    padded = [jnp.pad(f, (0, _MODES - f.size), constant_values=jnp.nan) for f in found]
+    modes = [natural_frequencies(robot, inside, condition) for condition in CONDITIONS]
+    padded = [jnp.pad(f, (0, _MODES - f.size), constant_values=jnp.nan) for f in modes]
     return (only_if(reachable, jnp.stack(padded)),)
 
 

@@ -81,7 +81,7 @@ def linear(settings: Settings) -> Iterator[Line]:
         )
         for name, timed in times.items():
             off = np.abs(timed.result / truth[:batch] - 1).max(axis=1)
-            found = off < FOUND
+            right = off < FOUND
             yield Line(
                 row=row,
                 contender=name,
@@ -92,7 +92,7 @@ def linear(settings: Settings) -> Iterator[Line]:
                 compile=timed.compile,
                 ratio=f"{timed.median / times['this'].median:.2f} times this one's time",
                 error=f"{np.median(off):.1e} of a value (median)",
-                note=f"{found.sum()} of {batch} within {FOUND:.0%} of every value",
+                note=f"{right.sum()} of {batch} within {FOUND:.0%} of every value",
             )
     yield Line(
         row,

@@ -118,10 +118,10 @@ def _line(
     own: Float[np.ndarray, "runs rows 5"] | None,
 ) -> Line:
     timed, peer = times[name], times["diffrax Tsit5 1e-4"]
-    found = timed.result[:JUDGED]
+    positions = timed.result[:JUDGED]
     notes = [f"chunks of {chunk}"]
     if own is not None:
-        from_own = error(found, own[: len(found)])
+        from_own = error(positions, own[: len(positions)])
         notes.append(f"width {WIDTH:g} m/s, {from_own:.1e} m off its own exact solution")
     return Line(
         row=row,
@@ -132,7 +132,7 @@ def _line(
         unit="robot-s",
         compile=timed.compile,
         ratio=f"{peer.median / timed.median:.2f} × Tsit5",
-        error=f"{error(found, truth[: len(found)]):.1e} m",
+        error=f"{error(positions, truth[: len(positions)]):.1e} m",
         note=", ".join(notes),
     )
 

@@ -110,10 +110,10 @@ def _jacobians(
 
 
 def _error(
-    found: Float[np.ndarray, "runs rows 5 4"], truth: Float[np.ndarray, "runs rows 5 4"]
+    derivatives: Float[np.ndarray, "runs rows 5 4"], truth: Float[np.ndarray, "runs rows 5 4"]
 ) -> str:
     """Median and worst over the runs, as a share of each run's largest derivative."""
     scale = np.array([1.0, ARM, 1.0, 1.0, 1.0])[:, None]
-    off = np.abs((found - truth[: len(found)]) * scale).max(axis=(1, 2, 3))
-    share = off / np.abs(truth[: len(found)] * scale).max(axis=(1, 2, 3))
+    off = np.abs((derivatives - truth[: len(derivatives)]) * scale).max(axis=(1, 2, 3))
+    share = off / np.abs(truth[: len(derivatives)] * scale).max(axis=(1, 2, 3))
     return f"{np.median(share):.1e}, worst {share.max():.1e} of the largest"

@@ -46,7 +46,7 @@ class Smoothed(Contender):
 
     def __call__(self, values: Float[Array, "4"]) -> Float[Array, "rows 5"]:
         robot = robot_of(values)
-        found = simulate_smooth(
+        states = simulate_smooth(
             smoothed(robot, width=WIDTH),
             start_of(robot),
             voltage=jnp.asarray(TORQUE_STEP[:: ROWS // 2]),
@@ -60,7 +60,7 @@ class Smoothed(Contender):
                 adjoint=self.adjoint,
             ),
         )
-        return found.position
+        return states.position
 
 
 class SmoothedLinear(Contender):

@@ -28,8 +28,7 @@ def correlation(names: Sequence[str], matrix: Float[np.ndarray, "n n"]) -> Figur
         The figure.
     """
     count = len(names)
-    figure = style.new_figure(height=0.9 + 0.42 * count, width=3.2 + 0.95 * count)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=0.9 + 0.42 * count, width=3.2 + 0.95 * count)
     for row in range(count):
         for column in range(row + 1):
             value = float(matrix[row, column])

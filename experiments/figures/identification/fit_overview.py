@@ -57,8 +57,7 @@ def fit_overview(comparisons: Sequence[Comparison]) -> Figure:
     """
     square, noise = misfits(comparisons)
     rows, columns = square.shape
-    figure = style.new_figure(height=1.1 + 0.29 * rows, width=9.0)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=1.1 + 0.29 * rows, width=9.0)
     norm = LogNorm(_LIGHTEST, _DARKEST, clip=True)
     # Frames last, so that no neighbour covers them.
     for row, column in sorted(np.ndindex(rows, columns), key=lambda at: not noise[at]):

@@ -29,8 +29,7 @@ def frequency_map(
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.9 * len(settings) + 0.2, width=9.0)
-    grid = np.atleast_1d(figure.subplots(len(settings), 1))
+    figure, grid = style.panels(len(settings), 1, height=3.9 * len(settings) + 0.2, width=9.0)
     low, high = float(frequencies.frequency.min()), float(frequencies.frequency.max())
     margin = 0.02 * high + 0.5 * (high - low) * (high == low)
     shade = ScalarMappable(Normalize(low - margin, high + margin), "viridis")
@@ -95,8 +94,9 @@ def frequency_over_height(frequencies: FrequencyMap, curves: dict[float, ModelCu
         The figure, one panel for each pretension that was measured.
     """
     settings = sorted(set(frequencies.pretension.tolist()))
-    figure = style.new_figure(height=3.6, width=max(6.5, 4.2 * len(settings)))
-    grid = np.atleast_1d(figure.subplots(1, len(settings), sharey=True))
+    figure, grid = style.panels(
+        1, len(settings), sharey=True, height=3.6, width=max(6.5, 4.2 * len(settings))
+    )
     for axes, setting in zip(grid, settings, strict=True):
         if setting in curves:
             curve = curves[setting]

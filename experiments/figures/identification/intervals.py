@@ -38,22 +38,22 @@ def relative_intervals(
     Returns:
         One for each estimated parameter.
     """
-    found = []
+    relative = []
     for parameter in parameters:
         if parameter.status == "fixed":
             continue
         half = (parameter.interval95[1] - parameter.interval95[0]) / 2
         size = magnitude(parameter.name, parameter.value)
-        known = (truth or {}).get(parameter.name)
-        found.append(
+        true = (truth or {}).get(parameter.name)
+        relative.append(
             RelativeInterval(
                 name=shown_name(parameter),
                 half_width=half / size if size else np.inf,
-                error=parameter.value / known - 1 if known else None,
+                error=parameter.value / true - 1 if true else None,
                 status=parameter.status,
             )
         )
-    return tuple(found)
+    return tuple(relative)
 
 
 def shown_name(parameter: ParameterEstimate) -> str:
@@ -83,8 +83,7 @@ def intervals(
         The figure.
     """
     rows = relative_intervals(parameters, truth=truth)
-    figure = style.new_figure(height=1.2 + 0.38 * len(rows), width=9.0)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=1.2 + 0.38 * len(rows), width=9.0)
     sizes = [100 * row.half_width for row in rows if 0 < row.half_width < np.inf]
     errors = [100 * abs(row.error) for row in rows if row.error]
     least = 10 ** np.floor(np.log10(min([*sizes, *errors, 1.0])) - 0.3)

@@ -26,7 +26,7 @@ def residuals_in_sigma(
     """
     angle = comparison.measured_angle - comparison.simulated_angle
     frame = comparison.measured - comparison.simulated
-    found = {}
+    series = {}
     for channel in comparison.channels:
         names = [coordinate.name for coordinate in ENCODERS]
         if channel.name in names:
@@ -35,8 +35,8 @@ def residuals_in_sigma(
             column = [coordinate.name for coordinate in CAMERA].index(channel.name)
             time, values = comparison.frame_time, frame[:, column]
         seen = np.isfinite(values)
-        found[channel.name] = (time[seen], values[seen] / channel.sigma)
-    return found
+        series[channel.name] = (time[seen], values[seen] / channel.sigma)
+    return series
 
 
 @style.styled
@@ -49,14 +49,13 @@ def residuals(comparison: Comparison) -> Figure:
     Returns:
         The figure: camera and encoders, without a camera the encoders only.
     """
-    found = residuals_in_sigma(comparison)
-    camera = [coordinate for coordinate in CAMERA if coordinate.name in found]
-    figure = style.new_figure(height=2.4)
-    grid = np.atleast_1d(figure.subplots(1, 2 if camera else 1, sharex=True))
+    series = residuals_in_sigma(comparison)
+    camera = [coordinate for coordinate in CAMERA if coordinate.name in series]
+    figure, grid = style.panels(1, 2 if camera else 1, sharex=True, height=2.4)
     if camera:
         for coordinate in camera:
             grid[0].plot(
-                *found[coordinate.name],
+                *series[coordinate.name],
                 ls="",
                 marker=coordinate.marker,
                 ms=3.2,
@@ -67,8 +66,8 @@ def residuals(comparison: Comparison) -> Figure:
             )
         _finish(grid[0], "camera residual")
     for coordinate, color in zip(ENCODERS, (style.BLUE, style.ORANGE), strict=True):
-        if coordinate.name in found:
-            _band(grid[-1], *found[coordinate.name], color=color, name=coordinate.symbol)
+        if coordinate.name in series:
+            _band(grid[-1], *series[coordinate.name], color=color, name=coordinate.symbol)
     _finish(grid[-1], "encoder residual")
     return figure
 

@@ -18,8 +18,7 @@ def ring_down_figure(decay: KnockDecay) -> Figure:
         The figure.
     """
     fit = decay.ring_down
-    figure = style.new_figure(height=2.5)
-    left, right = figure.subplots(1, 2, width_ratios=(2.2, 1))
+    figure, (left, right) = style.panels(1, 2, widths=(2.2, 1.0), height=2.5)
     left.plot(
         decay.time,
         1e3 * decay.displacement,

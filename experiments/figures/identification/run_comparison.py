@@ -30,8 +30,7 @@ def run_comparison(comparison: Comparison) -> Figure:
     count = len(seen) + 1 + len(ENCODERS)
     columns = 3 if count == 3 else 2
     rows = -(-count // columns)
-    figure = style.new_figure(height=0.6 + 1.7 * rows)
-    grid = np.atleast_2d(figure.subplots(rows, columns, sharex=True)).ravel()
+    figure, grid = style.panels(rows, columns, sharex=True, height=0.6 + 1.7 * rows)
     for axes, name in zip(grid, seen, strict=False):
         _camera_panel(axes, comparison, name)
     _command_panel(grid[len(seen)], comparison)

@@ -1,56 +1,12 @@
 """Bode plot of the open loop with its margins."""
 
-from typing import NamedTuple
-
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 from matplotlib.figure import Figure
 
 from experiments.page import style
 from experiments.page.number_text import plain
-from scdpr_jax.command.controller import PD
+from experiments.studies.findings.responses import OpenLoop
 from tuning.loop.margins import Margins
-from tuning.loop.plant import MotorPlant
-from tuning.loop.responses import sampled_loop
-
-_POINTS = 400
-_LOWEST = 1e-2  # of the gain crossover
-_HIGHEST = 0.9  # of the Nyquist frequency, where a sampled gain falls to nothing
-
-
-class OpenLoop(NamedTuple):
-    """Frequency response of the loop as the controller runs it."""
-
-    angular_frequency: Float[np.ndarray, " points"]
-    """Angular frequency [rad/s], up to near the Nyquist frequency."""
-    gain: Float[np.ndarray, " points"]
-    """Gain [dB]."""
-    phase: Float[np.ndarray, " points"]
-    """Phase, without jumps [°]."""
-
-
-def open_loop(plant: MotorPlant, controller: PD, *, delay: int, crossover: float) -> OpenLoop:
-    """The sampled open loop over frequency.
-
-    Args:
-        plant: The drive.
-        controller: The controller.
-        delay: Samples from a measurement to its command.
-        crossover: Gain crossover, around which the plot is placed [rad/s].
-
-    Returns:
-        Gain and phase.
-    """
-    nyquist = np.pi / float(controller.period)
-    omega = jnp.asarray(np.geomspace(_LOWEST * crossover, _HIGHEST * nyquist, _POINTS))
-    over = jax.jit(jax.vmap(lambda w: sampled_loop(plant, controller, w, delay=delay)))
-    response = np.asarray(over(omega))
-    phase = np.degrees(np.unwrap(np.angle(response)))
-    # The lowest frequency is integrated once: its phase is near -90 degrees.
-    phase -= 360 * np.round((phase[0] + 90) / 360)
-    return OpenLoop(np.asarray(omega), 20 * np.log10(np.abs(response)), phase)
 
 
 @style.styled
@@ -64,8 +20,7 @@ def bode(loop: OpenLoop, margins: Margins) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=4.4, width=9.0)
-    above, below = figure.subplots(2, 1, sharex=True)
+    figure, (above, below) = style.panels(2, 1, sharex=True, height=4.4, width=9.0)
     above.semilogx(loop.angular_frequency, loop.gain, color=style.BLUE)
     below.semilogx(loop.angular_frequency, loop.phase, color=style.BLUE)
     above.axhline(0, color=style.GREY, lw=0.8)

@@ -29,8 +29,7 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=6.6)
-    way, arrival, command, others = figure.subplots(2, 2).ravel()
+    figure, (way, arrival, command, others) = style.panels(2, 2, height=6.6)
     fitted = compared.planned[0]
     _, target = _along(fitted)
     way.plot(

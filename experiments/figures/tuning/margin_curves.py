@@ -14,20 +14,19 @@ _SAFE_PHASE, _SAFE_PEAK = 30.0, 2.0
 
 
 @style.styled
-def margin_curves(found: MarginMap) -> Figure:
+def margin_curves(margin_map: MarginMap) -> Figure:
     """Phase margin and peak sensitivity over height, a colour for each pretension.
 
     Args:
-        found: The map.
+        margin_map: The map.
 
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=4.0)
-    left, right = figure.subplots(1, 2)
-    margins = found.flexible.margins
-    _curves(left, found, np.degrees(np.asarray(margins.phase_margin)))
-    _curves(right, found, np.asarray(margins.peak_sensitivity))
+    figure, (left, right) = style.panels(1, 2, height=4.0)
+    margins = margin_map.flexible.margins
+    _curves(left, margin_map, np.degrees(np.asarray(margins.phase_margin)))
+    _curves(right, margin_map, np.asarray(margins.peak_sensitivity))
     left.axhline(_SAFE_PHASE, color=style.GREY, ls=":", lw=1.2)
     right.axhline(_SAFE_PEAK, color=style.GREY, ls=":", lw=1.2)
     left.set(ylabel="phase margin [°]", ylim=(0, None))
@@ -37,15 +36,15 @@ def margin_curves(found: MarginMap) -> Figure:
 
 
 def _curves(
-    axes: Axes, found: MarginMap, values: Float[np.ndarray, "loops settings heights"]
+    axes: Axes, margin_map: MarginMap, values: Float[np.ndarray, "loops settings heights"]
 ) -> None:
-    height = 1e3 * found.height
+    height = 1e3 * margin_map.height
     for loop, rows in zip(JOINT_LOOPS, values, strict=True):
         if loop is LIFTING:
             # It has no stiffness, and no pretension: one line for all.
             axes.plot(height, rows[0], color=style.BLACK, lw=2.5, alpha=0.6, label=loop.name)
             continue
-        for number, (setting, row) in enumerate(zip(found.pretension, rows, strict=True)):
+        for number, (setting, row) in enumerate(zip(margin_map.pretension, rows, strict=True)):
             axes.plot(
                 height,
                 row,

@@ -33,8 +33,7 @@ def pareto(
         Left the front: mean of the worst tenth, thin above it the worst. Right the share of
         the models that vibrates less.
     """
-    figure = style.new_figure(height=4.4)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = style.panels(1, 2, height=4.4)
     dashes = dict(zip(fronts, zip(_COLOURS, _MARKERS, strict=False), strict=False))
     for name, designs in fronts.items():
         _front(left, name, designs, *dashes[name])

@@ -34,8 +34,7 @@ def residual_vibration_map(
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.9 * len(maps) + 0.2, width=9.0)
-    grid = np.atleast_1d(figure.subplots(len(maps), 1))
+    figure, grid = style.panels(len(maps), 1, height=3.9 * len(maps) + 0.2, width=9.0)
     highest = max(_LEAST_SCALE, *(one.worst.value for one in maps))
     # Rounded, or 100 % and a rounding would take a level more.
     levels = _LEVELS.tick_values(0, round(100 * highest, 9))

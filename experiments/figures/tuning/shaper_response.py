@@ -3,15 +3,11 @@
 import itertools
 from collections.abc import Sequence
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 from matplotlib.figure import Figure
 
 from experiments.page import style
-from experiments.studies.findings.tuning import NamedShaper
-from scdpr_jax.command.shaper import Shaper, residual_vibration
+from experiments.studies.findings.responses import NamedShaper
 
 _POINTS = 500
 _STYLES = (
@@ -22,31 +18,6 @@ _STYLES = (
     (style.ORANGE, "-"),
     (style.SKY, "--"),
 )
-
-
-def residual_curve(
-    named: NamedShaper, frequency: Float[np.ndarray, " points"]
-) -> Float[np.ndarray, " points"]:
-    """Residual vibration of a shaper over the frequency that it meets.
-
-    Args:
-        named: The shaper.
-        frequency: Frequencies [Hz].
-
-    Returns:
-        Residual vibration [1], 1 for as much as without a shaper.
-    """
-    ratio = jnp.asarray(named.damping_ratio)
-    return np.asarray(_residual_curve(named.shaper, jnp.asarray(frequency), ratio))
-
-
-@jax.jit
-def _residual_curve(
-    shaper: Shaper, frequency: Float[Array, " points"], ratio: Float[Array, ""]
-) -> Float[Array, " points"]:
-    return jax.vmap(lambda f: residual_vibration(shaper, frequency=f, damping_ratio=ratio))(
-        frequency
-    )
 
 
 @style.styled
@@ -63,11 +34,10 @@ def shaper_response(shapers: Sequence[NamedShaper], *, tolerance: float = 0.05) 
     low = 0.5 * min(named.band[0] for named in shapers)
     high = 1.5 * max(named.band[1] for named in shapers)
     frequency = np.linspace(low, high, _POINTS)
-    figure = style.new_figure(height=3.8)
-    left, right = figure.subplots(1, 2, width_ratios=(2, 1))
+    figure, (left, right) = style.panels(1, 2, widths=(2.0, 1.0), height=3.8)
     highest = 100.0
     for (color, dashes), named in zip(itertools.cycle(_STYLES), shapers, strict=False):
-        curve = 100 * residual_curve(named, frequency)
+        curve = 100 * named.residual(frequency)
         highest = max(highest, float(curve.max()))
         left.plot(frequency, curve, color=color, ls=dashes, label=named.name)
         left.axvspan(*named.band, color=color, alpha=0.15, lw=0)

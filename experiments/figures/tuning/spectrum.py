@@ -7,9 +7,8 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
 
-from experiments.figures.tuning.shaper_response import residual_curve
 from experiments.page import style
-from experiments.studies.findings.tuning import NamedShaper
+from experiments.studies.findings.responses import NamedShaper
 from tuning.shapers.spectrum import THRESHOLD, Spectrum
 from tuning.shapers.spectrum_design import SpectrumDesign
 
@@ -46,9 +45,9 @@ def shaped_spectrum(spectrum: Spectrum, shapers: Sequence[NamedShaper]) -> Figur
     power.axhline(THRESHOLD, color=style.GREY, ls=(0, (2, 2)), lw=1)
     fine = np.linspace(float(spectrum.frequency[0]), float(spectrum.frequency[-1]), _POINTS)
     for (color, dashes), named in zip(_STYLES, shapers, strict=False):
-        curve = 100 * residual_curve(named, fine)
+        curve = 100 * named.residual(fine)
         left.plot(fine, curve, color=color, ls=dashes, label=named.name)
-        after = spectrum.power * residual_curve(named, spectrum.frequency)
+        after = spectrum.power * named.residual(spectrum.frequency)
         power.plot(spectrum.frequency, after, color=color, ls=dashes, label=named.name)
         times = 1e3 * np.asarray(named.shaper.times)
         amplitudes = np.asarray(named.shaper.amplitudes)
@@ -97,8 +96,7 @@ def duration_against_vibration(design: SpectrumDesign) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.8)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=3.8)
     durations, vibrations = front_curve(design)
     axes.plot(
         durations,

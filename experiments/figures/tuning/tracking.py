@@ -1,43 +1,15 @@
 """A manoeuvre under control before and after tuning."""
 
-from typing import NamedTuple
-
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.page import style
+from experiments.studies.findings.responses import tracking_numbers
 from scdpr_jax.legs.leg import Leg
 
 _SIDES = (("before", style.VERMILION, 1.3), ("after", style.BLUE, 1.7))
-
-
-class TrackingNumbers(NamedTuple):
-    """What a run's figure shows besides its traces."""
-
-    error: Float[np.ndarray, " samples"]
-    """Distance of the end-effector from the unshaped reference, Eq. (26) [m]."""
-    arrival: float
-    """When the commanded reference has come to rest [s]."""
-    rest: Float[np.ndarray, " rest"]
-    """What $x_e$ does after the arrival, about its mean [m]."""
-
-
-def tracking_numbers(run: Leg) -> TrackingNumbers:
-    r"""Errors of a run, $\varepsilon_e = |Q_e^* - Q_e|$, Eq. (26), and its rest.
-
-    Args:
-        run: The run.
-
-    Returns:
-        Its numbers.
-    """
-    error = np.linalg.norm(run.reference - run.pose, axis=1)
-    moving = np.flatnonzero(np.any(np.diff(run.commanded, axis=0) != 0, axis=1))
-    arrived = int(moving[-1]) + 1 if moving.size else 0
-    rest = run.pose[arrived:, 0]
-    return TrackingNumbers(error, float(run.time[arrived]), rest - rest.mean())
 
 
 @style.styled
@@ -52,8 +24,7 @@ def tracking(before: Leg, after: Leg, *, voltage_limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=6.2)
-    position, error, rest, command = figure.subplots(2, 2).ravel()
+    figure, (position, error, rest, command) = style.panels(2, 2, height=6.2)
     axis = int(np.ptp(before.reference[:, 1]) > np.ptp(before.reference[:, 0]))
     position.plot(
         *style.thinned(before.time, 1e3 * before.reference[:, axis]),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from experiments.page.number_text import capitalised, percent, plain, short
-from scdpr_jax.command.shaper import Shaper
+from experiments.studies.findings.responses import NamedShaper
 from tuning.loop.worst_margins import MarginMap, WorstMargin, margin_map
 from tuning.regions.residual_map import ResidualMap, WorstResidual, residual_map
 from tuning.result.regional_shaper import RegionalShaper
@@ -20,20 +20,6 @@ _SAME = 0.01
 
 _NO_MORE = 0.01
 """Percentage points below which nothing is left beyond a promise."""
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class NamedShaper:
-    """A shaper of a figure."""
-
-    name: str
-    """What it is called."""
-    shaper: Shaper
-    """Its impulses."""
-    damping_ratio: float
-    """Damping ratio that it meets [1]."""
-    band: tuple[float, float]
-    """Frequencies that it may meet [Hz]."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

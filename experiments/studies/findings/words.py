@@ -80,7 +80,7 @@ def words_sure(
     Returns:
         A sentence each.
     """
-    told = (
+    sentences = (
         excess_sentence(estimate, beyond),
         whiteness_sentence(counted),
         *model_sentences(estimate),
@@ -90,8 +90,8 @@ def words_sure(
         *_ending(estimate),
     )
     if campaign is None:
-        return told
-    return (*told, *_clocks(campaign, estimate), *_skipped(campaign))
+        return sentences
+    return (*sentences, *_clocks(campaign, estimate), *_skipped(campaign))
 
 
 def words_next(
@@ -175,17 +175,17 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> tuple[str, ...]:
     if len(offsets) > _LISTED:
         low, high = min(offsets.values()), max(offsets.values())
         listed = f"{plain(low, 3)} to {plain(high, 3)} ms in {len(offsets)} runs"
-    told = []
+    sentences = []
     if offsets:
-        told.append(
+        sentences.append(
             f"The camera's clock was unknown and estimated, camera minus drive: {listed}."
         )
     if estimate.options.clock_drifts and drifts:
-        told.append(
+        sentences.append(
             f"By the fit the cameras' clocks run {plain(min(drifts), 3)} to "
             f"{plain(max(drifts), 3)} ppm faster than the drives'."
         )
-    return tuple(told)
+    return tuple(sentences)
 
 
 def _skipped(campaign: Campaign) -> tuple[str, ...]:

@@ -52,9 +52,9 @@ def design(
     from scdpr_jax.numerics.files import whole_file, write_whole
     from scdpr_jax.robot.quantities import value
 
-    found = read_parameters(parameters)
+    fitted = read_parameters(parameters)
     rig = known_rig(
-        found,
+        fitted,
         setting=setting,
         log_rate=parse_quantity(log_rate, unit="Hz", name="--log-rate"),
         top_speed=parse_quantity(top_speed, unit="m/s", name="--top-speed"),
@@ -75,7 +75,7 @@ def design(
         OUT,
         (
             next_run.chosen_sentence(candidates),
-            caution(found.residuals),
+            caution(fitted.residuals),
             *next_run.instructions(best),
         ),
     )

@@ -33,9 +33,9 @@ def frequencies(
     )
     if read is None:
         return BAD_INPUT
-    found = frequency_map(read)
-    write_frequencies(found, out / "frequencies.csv")
-    summary.show_frequencies(OUT, found)
+    knocks = frequency_map(read)
+    write_frequencies(knocks, out / "frequencies.csv")
+    summary.show_frequencies(OUT, knocks)
     for note in read.accepted:
         OUT.print(f"note: {note}", markup=False)
     wrote(out / "frequencies.csv")

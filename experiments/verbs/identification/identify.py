@@ -77,15 +77,15 @@ def identify(
     if read is None:
         return BAD_INPUT
     with shown_progress(ERRORS) as progress:
-        found = (estimate if free else select)(read, options, progress=progress)
-        traced = traced_profiles(read, found) if profile else ()
+        fitted = (estimate if free else select)(read, options, progress=progress)
+        traced = traced_profiles(read, fitted) if profile else ()
         if leave_out:
-            found = without_each_run(read, found, progress=progress)
-        drawn = sampled(read, found, progress=progress) if posterior else None
-    write_parameters(out / "parameters.json", found, traced, drawn, read.accepted)
-    told = findings(found, campaign=read)
-    summary.show(OUT, told, profiles=traced, posterior=drawn)
-    summary.show_influence(OUT, told)
+            fitted = without_each_run(read, fitted, progress=progress)
+        drawn = sampled(read, fitted, progress=progress) if posterior else None
+    write_parameters(out / "parameters.json", fitted, traced, drawn, read.accepted)
+    calibration = findings(fitted, campaign=read)
+    summary.show(OUT, calibration, profiles=traced, posterior=drawn)
+    summary.show_influence(OUT, calibration)
     for note in read.accepted:
         OUT.print(f"note: {note}", markup=False)
     wrote(out / "parameters.json")

@@ -27,10 +27,10 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     force = parse_quantity(gain, unit="N/V", name="--gain")
     read = read_axis_log(log)
     with ERRORS.status("open-loop fits from several starts, some ten seconds"):
-        found = estimate_drive_axis(read, gain=force, delay_samples=delay_samples)
-        laws = compare_axis_laws(read, found, gain=force, delay_samples=delay_samples)
-    write_axis_parameters(out / "parameters.json", found, laws)
-    report.write_drive_report(out / "report.html", log=read, estimate=found, laws=laws)
-    summary.show_axis(OUT, found, laws, position_unit=read.position_unit)
+        axis = estimate_drive_axis(read, gain=force, delay_samples=delay_samples)
+        laws = compare_axis_laws(read, axis, gain=force, delay_samples=delay_samples)
+    write_axis_parameters(out / "parameters.json", axis, laws)
+    report.write_drive_report(out / "report.html", log=read, estimate=axis, laws=laws)
+    summary.show_axis(OUT, axis, laws, position_unit=read.position_unit)
     wrote(out / "parameters.json", out / "report.html")
-    return DONE if found.converged else FELL_SHORT
+    return DONE if axis.converged else FELL_SHORT

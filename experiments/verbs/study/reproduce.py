@@ -33,14 +33,14 @@ def reproduce(
     with shown_progress(ERRORS) as progress:
         computing = progress.part(0.0, 0.98)
         if png:
-            found = report.reproduce(sections, computing, keep=report.png_files(out))
+            parts = report.reproduce(sections, computing, keep=report.png_files(out))
         else:
-            found = report.reproduce(sections, computing)
+            parts = report.reproduce(sections, computing)
         progress("report", 0.98)
-        written = report.write(found, out)
-    for verdict, count in report.counts(found).items():
+        written = report.write(parts, out)
+    for verdict, count in report.counts(parts).items():
         OUT.print(f"{count:4d} {verdict.value}")
-    fallen = [one for part in found for one in part.judged if not one.stands]
+    fallen = [each for part in parts for each in part.judged if not each.stands]
     for one in fallen:
         OUT.print(
             f"not borne out: {one.claim.name}: computed {one.number} {one.unit}, said to be "

@@ -43,6 +43,7 @@ def codesign(
     from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import write_whole
     from tuning.codesign import Scope, write_codesign
+    from tuning.loop.worst_margins import margin_map
 
     fitted = read_parameters(parameters)
     nominal = tuple(parse_quantity(text, unit="N", name="--settings") for text in settings)
@@ -56,11 +57,12 @@ def codesign(
         seed=seed,
     )
     with shown_progress(ERRORS) as progress:
-        found = design(fitted, scope, progress=progress)
+        co_design = design(fitted, scope, progress=progress)
     result, report = out / "codesign.json", out / "codesign.html"
-    write_codesign(result, found)
-    write_whole(report, codesign_report.codesign_page(found, name=str(parameters)))
-    codesign_report.show(OUT, found)
+    write_codesign(result, co_design)
+    margins = margin_map(co_design.robots, co_design.chosen.law.controller)
+    write_whole(report, codesign_report.codesign_page(co_design, margins, name=str(parameters)))
+    codesign_report.show(OUT, co_design)
     wrote(result, report)
     suggest(f"open {report}")
-    return DONE if found.holds else FELL_SHORT
+    return DONE if co_design.holds else FELL_SHORT

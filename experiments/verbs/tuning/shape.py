@@ -54,7 +54,7 @@ def shape(
         lowest=parse_quantity(lowest, unit="Hz", name="--lowest"),
     )
     with shown_progress(ERRORS) as progress:
-        found = design_for_spectrum(
+        designed = design_for_spectrum(
             file.spectrum,
             damping_ratio=damping_ratio,
             damping_ratios=tuple(share * damping_ratio for share in (0.75, 1.0, 1.5)),
@@ -63,12 +63,12 @@ def shape(
             progress=progress,
         )
     result, report = out / "shaper.json", out / "shaper.html"
-    write_whole(result, shaper_document(file, found))
-    write_whole(report, shaper_report.shaper_page(file, found))
-    shaper_report.show(OUT, found)
+    write_whole(result, shaper_document(file, designed))
+    write_whole(report, shaper_report.shaper_page(file, designed))
+    shaper_report.show(OUT, designed)
     wrote(result, report)
     suggest(f"open {report}")
-    short = most is not None and found.recommended.residual > most
+    short = most is not None and designed.recommended.residual > most
     return FELL_SHORT if short else DONE
 
 

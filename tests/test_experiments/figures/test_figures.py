@@ -14,7 +14,6 @@ from report_samples import (
     estimated_parameters,
     frequencies,
     parameter,
-    tracking_run,
 )
 
 from experiments.figures.identification.correlation import correlation
@@ -24,16 +23,8 @@ from experiments.figures.identification.intervals import intervals, relative_int
 from experiments.figures.identification.residuals import residuals_in_sigma
 from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_view import cable_loop, shown_instants
-from experiments.figures.tuning.bode import open_loop
-from experiments.figures.tuning.shaper_response import residual_curve
-from experiments.figures.tuning.tracking import tracking_numbers
 from experiments.page.coordinates import COORDINATES
-from experiments.studies.findings.tuning import NamedShaper
-from scdpr_jax.command.controller import PD
-from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.robot.prototype import consistent
-from tuning.loop.margins import sampled_margins
-from tuning.loop.plant import published_plant
 
 
 def texts(figure):
@@ -130,34 +121,6 @@ def test_four_instants_lie_inside_a_run():
     instants = shown_instants(np.array([1.0, 2.0, 3.0]))
     assert len(instants) == 4
     assert all(1.0 <= instant <= 3.0 for instant in instants)
-
-
-def test_the_open_loop_crosses_where_the_margins_say():
-    controller = PD(36.0, 0.7, 1e-3)
-    margins = sampled_margins(published_plant(), controller)
-    crossover = float(margins.gain_crossover)
-    loop = open_loop(published_plant(), controller, delay=1, crossover=crossover)
-    gain = np.interp(crossover, loop.angular_frequency, loop.gain)
-    phase = np.interp(crossover, loop.angular_frequency, loop.phase)
-    # Interpolated between 400 points over three decades: 2 % of a frequency apart.
-    assert gain == pytest.approx(0.0, abs=0.02)
-    assert phase == pytest.approx(-180 + math.degrees(float(margins.phase_margin)), abs=0.1)
-    assert np.all(np.abs(np.diff(loop.phase)) < 180)
-
-
-def test_a_zv_shaper_leaves_nothing_at_its_frequency_and_all_at_twice_it():
-    shaper = NamedShaper("ZV", Shaper([0.0, 0.25], [0.5, 0.5]), 0.0, (1.9, 2.1))
-    left = residual_curve(shaper, np.array([2.0, 4.0]))
-    # cos(pi/2) and one, in double precision.
-    assert np.allclose(left, [0.0, 1.0], atol=1e-12)
-
-
-def test_tracking_errors_are_distances_and_the_rest_begins_at_the_arrival():
-    numbers = tracking_numbers(tracking_run(swing=0.02))
-    assert numbers.arrival == pytest.approx(1.0, abs=1e-12)
-    assert numbers.error[0] == pytest.approx(0.02, rel=1e-9)  # a difference from 0.3 m
-    # A swing of ±20 mm; three periods sampled thirty times each.
-    assert np.ptp(numbers.rest) == pytest.approx(0.04, rel=0.01)
 
 
 @pytest.mark.parametrize("camera", [True, False])

@@ -21,8 +21,7 @@ def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.4)
-    run, histogram = figure.subplots(1, 2)
+    figure, (run, histogram) = style.panels(1, 2, height=3.4)
     shown = loose.time <= _SHOWN
     for repeat in range(_DRAWN):
         run.plot(
@@ -41,14 +40,17 @@ def draw_fig10(loose: Breakaway, tight: Breakaway) -> Figure:
     run.set(xlabel="time [s]", ylabel=f"q₄ at {PRINTED_VOLTAGE} V on both drives [mm]")
     style.legend_above(run)
     stairs = np.arange(0.4, 1.2, STEP)
-    for found, colour, shift in ((loose, style.BLUE, -0.018), (tight, style.VERMILION, 0.018)):
-        count = [np.sum(np.isclose(found.voltage, v)) for v in stairs]
+    for numbers, colour, shift in (
+        (loose, style.BLUE, -0.018),
+        (tight, style.VERMILION, 0.018),
+    ):
+        count = [np.sum(np.isclose(numbers.voltage, v)) for v in stairs]
         histogram.bar(
             stairs + shift,
             count,
             width=0.034,
             color=colour,
-            label=f"friction {found.force:.1f} N: mean {found.mean:.2f} V",
+            label=f"friction {numbers.force:.1f} N: mean {numbers.mean:.2f} V",
         )
     histogram.axvline(PRINTED_VOLTAGE, color=style.BLACK, ls="--", lw=1, label="printed mean")
     histogram.set(

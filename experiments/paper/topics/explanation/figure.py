@@ -22,8 +22,7 @@ def draw_explanations(fits: tuple[Explanation, ...]) -> Figure:
     """
     shown = fits[:_ROWS]
     deviations = np.array([fit.deviations for fit in shown])
-    figure = style.new_figure(height=0.55 * len(shown) + 1.6)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=0.55 * len(shown) + 1.6)
     image = axes.imshow(
         deviations, cmap="RdBu_r", vmin=-_SHOWN, vmax=_SHOWN, aspect="auto", alpha=0.8
     )

@@ -144,11 +144,11 @@ def _fits(both_legs: bool, gravity: bool) -> tuple[Explanation, ...]:
     def tabled(share: float, friction: float) -> Float[np.ndarray, "3"]:
         return np.array([spline(np.log(share), friction)[0, 0] for spline in splines])
 
-    found = np.array([_fit(level(condition), tabled) for condition in _CONDITIONS])
-    simulated = _manoeuvres(*found.T, both_legs, gravity)
+    points = np.array([_fit(level(condition), tabled) for condition in _CONDITIONS])
+    simulated = _manoeuvres(*points.T, both_legs, gravity)
     return tuple(
         _explained(Hypothesis(condition, both_legs, gravity), *point.tolist(), result)
-        for condition, point, result in zip(_CONDITIONS, found, simulated, strict=True)
+        for condition, point, result in zip(_CONDITIONS, points, simulated, strict=True)
     )
 
 
@@ -216,14 +216,14 @@ def _manoeuvres(
     references = table_3(start_time=_BEFORE, leg_times=legs)
     stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *references)
     time = _PERIOD * np.arange(round((_BEFORE + 2 * max(legs) + _AFTER) / _PERIOD) + 1)
-    found = _extremes(
+    extremes = _extremes(
         jnp.asarray(NOMINAL * share),
         jnp.asarray(friction),
         jnp.asarray(GRAVITY if gravity else 0.0),
         stacked,
         jnp.asarray(time),
     )
-    error, tilt = (np.asarray(part) for part in found)
+    error, tilt = (np.asarray(part) for part in extremes)
     return np.stack([1e3 * error[:, 0], 1e3 * error[:, 1], np.rad2deg(tilt).max(axis=1)], 1)
 
 
@@ -243,11 +243,11 @@ def _extremes(
         robot = replace(
             robot, {"effective_pretension": pull, "friction_coefficient": coefficient}
         )
-        wanted = jax.vmap(reference.position)(time)
-        x, y = wanted[0]
-        found = closed_loop(robot, rest(robot, x, x, y), published_pd(), reference=wanted)
-        off = jnp.hypot(*(found.states.pose - wanted).T)
-        return jnp.max(off), jnp.max(jnp.abs(found.states.tilt))
+        led = jax.vmap(reference.position)(time)
+        x, y = led[0]
+        run = closed_loop(robot, rest(robot, x, x, y), published_pd(), reference=led)
+        off = jnp.hypot(*(run.states.pose - led).T)
+        return jnp.max(off), jnp.max(jnp.abs(run.states.tilt))
 
     each = jax.vmap(run, in_axes=(None, None, 0))
     return jax.vmap(each, in_axes=(0, 0, None))(tension, friction, references)

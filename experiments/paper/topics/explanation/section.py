@@ -38,7 +38,7 @@ def explanation(picture: Pictures) -> Content:
     """
     fits = explanations()
     best = fits[0]
-    told = "; ".join(
+    results = "; ".join(
         f"{one.name} {value:.3g} {one.unit} (reported {one.value:g})"
         for one, value in zip(REPORTED, best.computed, strict=True)
     )
@@ -48,7 +48,7 @@ def explanation(picture: Pictures) -> Content:
         f"friction force, fitted under {len(fits)} hypotheses on what the paper leaves "
         f"unsaid, (24) met exactly. Closest comes: {best.hypothesis.name}, with T_eff = "
         f"{best.share:.3f} T ({NOMINAL * best.share:.0f} N at 350 N) and "
-        f"{best.friction:.2f} N: {told}.",
+        f"{best.friction:.2f} N: {results}.",
         "Left over by it: why the effective pretension is a fifth of the nominal; why the "
         "drives' inertia, without which the open-loop runs and the closed loop are not the "
         "paper's (E25), should be absent from a knock, and friction with it; and that the "

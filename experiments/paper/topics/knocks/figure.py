@@ -30,8 +30,7 @@ def draw_fig11(knock: Knock) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.2)
-    record, spectrum = figure.subplots(1, 2)
+    figure, (record, spectrum) = style.panels(1, 2, height=3.2)
     record.plot(knock.time, 1e3 * knock.displacement, "o-", ms=2.5, lw=1.0, color=style.BLUE)
     record.set(
         xlabel="time [s]",
@@ -68,8 +67,7 @@ def draw_fig12(numbers: Fig12) -> Figure:
     Returns:
         The figure, a panel for each pretension.
     """
-    figure = style.new_figure(height=4.0)
-    panels = figure.subplots(1, len(SETTINGS), sharey=True)
+    figure, panels = style.panels(1, len(SETTINGS), sharey=True, height=4.0)
     for index, (axes, setting) in enumerate(zip(panels, SETTINGS, strict=True)):
         tension = effective_share() * setting
         for level, colour in zip(numbers.levels, _COLOURS, strict=True):

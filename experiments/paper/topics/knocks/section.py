@@ -64,10 +64,10 @@ def fig12(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found, harder = fig12_numbers(), fig12_numbers(4 * FORCE)
+    gentle, harder = fig12_numbers(), fig12_numbers(4 * FORCE)
     conditions = table_of(
         "First elastic mode at mid-height, and what the reported level asks for",
-        map(_row, found.levels),
+        map(_row, gentle.levels),
     )
     knocks = Table(
         "Peak of the simulated knocks [Hz], mean of the five columns",
@@ -79,15 +79,15 @@ def fig12(picture: Pictures) -> Content:
                 *(f"{p:.2f}" for p in numbers.peaks[index].mean(axis=1)),
                 f"about {MEASURED[setting]}" if setting in MEASURED else "–",
             )
-            for force, numbers in ((FORCE, found), (4 * FORCE, harder))
+            for force, numbers in ((FORCE, gentle), (4 * FORCE, harder))
             for index, setting in enumerate(SETTINGS)
         ),
     )
-    spread = float(np.ptp(found.peaks, axis=2).max())
+    spread = float(np.ptp(gentle.peaks, axis=2).max())
     return Content(
         f"With T_eff = {effective_share():.3f} of the nominal tension, which the 50 mm of "
         "section 6 ask for and nothing of section 5.2 was used for, knocks at mid-height "
-        f"ring at {found.peak(200.0):.2f} Hz at 200 N and {found.peak(500.0):.2f} Hz at "
+        f"ring at {gentle.peak(200.0):.2f} Hz at 200 N and {gentle.peak(500.0):.2f} Hz at "
         "500 N; reported are about 2.4 and 3.9 Hz.",
         "With the nominal tension no carriage condition gives these levels; what each "
         "would need is in the table. Their ratio is the root of the tensions' within 3 %.",
@@ -98,7 +98,7 @@ def fig12(picture: Pictures) -> Content:
         f"Knocks of {4 * FORCE:g} N move the carriages, and the highest peak is then the "
         "slide's in part of the poses: peak picking needs knocks that leave them alone.",
         picture(
-            draw_fig12(found),
+            draw_fig12(gentle),
             "First elastic mode over the height for each carriage condition at T_eff = "
             f"{effective_share():.3f} of the nominal tension, the simulated knocks, and "
             "the reported levels.",

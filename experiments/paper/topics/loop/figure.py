@@ -4,9 +4,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.page import style
-from experiments.paper.topics.loop.numbers import CROSSOVER, STEP, Design, StepResponse
-from scdpr_jax.command.controller import PD
-from tuning.loop.plant import MotorPlant
+from experiments.paper.topics.loop.numbers import (
+    CROSSOVER,
+    STEP,
+    Design,
+    StepResponse,
+    open_loop,
+)
 
 
 @style.styled
@@ -19,8 +23,7 @@ def draw_step_response(response: StepResponse) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=2.8, width=6.0)
-    axes = figure.subplots()
+    figure, (axes,) = style.panels(1, 1, height=2.8, width=6.0)
     axes.plot(
         response.time, response.speed, "o", ms=3, color=style.BLUE, label="encoder, 10 ms"
     )
@@ -31,23 +34,21 @@ def draw_step_response(response: StepResponse) -> Figure:
 
 
 @style.styled
-def draw_bode(designs: dict[str, Design], *, plant: MotorPlant) -> Figure:
+def draw_bode(designs: dict[str, Design]) -> Figure:
     """Open loops of the drive with several controllers.
 
     Args:
         designs: Controllers with their margins, by name.
-        plant: The drive.
 
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.2)
-    gain, phase = figure.subplots(1, 2)
+    figure, (gain, phase) = style.panels(1, 2, height=3.2)
     omega = np.geomspace(5, 500, 300)
     for (name, design), colour in zip(
         designs.items(), (style.BLUE, style.VERMILION), strict=True
     ):
-        loop = _open_loop(plant, design.controller, omega)
+        loop = open_loop(design.controller, omega)
         gain.loglog(omega, np.abs(loop), color=colour, label=name)
         phase.semilogx(omega, np.rad2deg(np.unwrap(np.angle(loop))), color=colour)
     gain.axhline(1, color=style.BLACK, lw=0.8)
@@ -59,9 +60,3 @@ def draw_bode(designs: dict[str, Design], *, plant: MotorPlant) -> Figure:
     phase.set_ylabel("phase [°]")
     style.legend_above(gain)
     return figure
-
-
-def _open_loop(plant: MotorPlant, controller: PD, omega: np.ndarray) -> np.ndarray:
-    s = 1j * omega
-    gains = float(controller.proportional_gain) + float(controller.derivative_gain) * s
-    return gains * float(plant.gain) / (s * (s + float(plant.pole)))

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy.optimize
-from jaxtyping import Float
+from jaxtyping import Complex, Float
 
 from identification.axis.motion import AxisParameters, axis_positions
 from scdpr_jax.command.controller import PD, published_pd
@@ -139,6 +139,23 @@ def _design(plant: MotorPlant, controller: PD) -> Design:
 @eqx.filter_jit
 def _margins(plant: MotorPlant, controller: PD) -> tuple[Margins, Margins]:
     return continuous_margins(plant, controller), sampled_margins(plant, controller)
+
+
+def open_loop(
+    controller: PD, omega: Float[np.ndarray, " points"]
+) -> Complex[np.ndarray, " points"]:
+    """Frequency response of the drive (24) with a controller.
+
+    Args:
+        controller: The controller.
+        omega: Angular frequencies [rad/s].
+
+    Returns:
+        The open loop [1].
+    """
+    plant, s = published_plant(), 1j * omega
+    gains = float(controller.proportional_gain) + float(controller.derivative_gain) * s
+    return gains * float(plant.gain) / (s * (s + float(plant.pole)))
 
 
 def gain_from_table() -> float:

@@ -16,7 +16,6 @@ from experiments.paper.topics.loop.numbers import (
     printed,
     step_response,
 )
-from tuning.loop.plant import published_plant
 
 
 def eq24(picture: Pictures) -> Content:
@@ -28,16 +27,16 @@ def eq24(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found = step_response()
+    response = step_response()
     return Content(
         f"A step of {STEP:g} V on a bare simulated drive, read by its encoder, gives "
-        f"{rounded(found.gain, found.error[0])} ± {plain(found.error[0], 2)} over "
-        f"s(s + {rounded(found.pole, found.error[1])} ± {plain(found.error[1], 2)}), "
+        f"{rounded(response.gain, response.error[0])} ± {plain(response.error[0], 2)} over "
+        f"s(s + {rounded(response.pole, response.error[1])} ± {plain(response.error[1], 2)}), "
         "the angle in degrees.",
         f"(24) calls its numerator 1/J, which is 78.5 with Table 1; it is (180/π) k_v/J = "
         f"{gain_from_table():.0f}: degrees, and volts through k_v = 0.482 N m/V.",
         picture(
-            draw_step_response(found),
+            draw_step_response(response),
             "Speed of a bare drive after a step of its command, and the fitted (24).",
             narrow=True,
         ),
@@ -67,11 +66,11 @@ def eq25(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found = step_response()
+    response = step_response()
     designs = {"required, from (24)": designed(), "printed (25)": printed()}
     rows = (
         *(_row(name, design) for name, design in designs.items()),
-        _row("required, from the step response", designed(found.gain, found.pole)),
+        _row("required, from the step response", designed(response.gain, response.pole)),
     )
     return Content(
         "40 rad/s and 60° on (24) have one PD, in closed form: K_p = 0.63523, as printed, "
@@ -79,7 +78,7 @@ def eq25(picture: Pictures) -> Content:
         "The printed pair crosses over a little higher, with a little more phase; at 1 kHz "
         "with one sample of delay either keeps over 55° of phase.",
         picture(
-            draw_bode(designs, plant=published_plant()),
+            draw_bode(designs),
             "The drive's open loop with the required and with the printed controller.",
         ),
         table_of("The controllers and their margins", rows),

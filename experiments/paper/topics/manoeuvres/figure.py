@@ -18,8 +18,8 @@ def draw_tracking(run: Tracked) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.0)
-    for axes, column, part in zip(figure.subplots(1, 2), (X, HEIGHT), (0, 1), strict=True):
+    figure, panels = style.panels(1, 2, height=3.0)
+    for axes, column, part in zip(panels, (X, HEIGHT), (0, 1), strict=True):
         axes.plot(
             *style.thinned(run.time, 1e3 * run.position[:, column]),
             color=style.BLUE,
@@ -51,8 +51,7 @@ def draw_errors(runs: dict[str, tuple[Tracked, float]]) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.0)
-    panels = np.atleast_1d(figure.subplots(1, len(runs)))
+    figure, panels = style.panels(1, len(runs), height=3.0)
     for axes, (name, (run, reported)) in zip(panels, runs.items(), strict=True):
         axes.plot(*style.thinned(run.time, 1e3 * run.error), color=style.BLUE)
         axes.axhline(1e3 * reported, color=style.GREY, ls="--", lw=1.2)
@@ -83,8 +82,7 @@ def draw_diagonal(run: Tracked) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.2)
-    path, tilt = figure.subplots(1, 2)
+    figure, (path, tilt) = style.panels(1, 2, height=3.2)
     path.plot(*(1e3 * pose(run.position)[::10].T), color=style.BLUE, label="end-effector")
     path.plot(
         *(1e3 * run.reference[::10].T), color=style.BLACK, ls="--", lw=1.0, label="reference"
@@ -109,8 +107,7 @@ def draw_joints(run: Tracked, *, limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.2)
-    joints, command = figure.subplots(1, 2)
+    figure, (joints, command) = style.panels(1, 2, height=3.2)
     for motor, colour in enumerate((style.BLUE, style.VERMILION)):
         name = f"α{'₁₂'[motor]}"
         joints.plot(*style.thinned(run.time, run.angle[:, motor]), color=colour, label=name)

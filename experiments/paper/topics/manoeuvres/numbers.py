@@ -90,8 +90,8 @@ def tracked(
     trajectory = getattr(table_3(start_time=_BEFORE, leg_times=(leg_time,) * 3), name)
     # All runs are as long as the longest, so that one compilation does.
     time = _PERIOD * np.arange(round((_BEFORE + 2 * _LONGEST + _AFTER) / _PERIOD) + 1)
-    found = _controlled(robot, trajectory, jnp.asarray(time))
-    reference, acceleration, position, commanded, angle, voltage = map(np.asarray, found)
+    run = _controlled(robot, trajectory, jnp.asarray(time))
+    reference, acceleration, position, commanded, angle, voltage = map(np.asarray, run)
     kept = round((_BEFORE + 2 * leg_time + _AFTER) / _PERIOD) + 1
     return Tracked(
         name,

@@ -147,13 +147,13 @@ def fig18(picture: Pictures) -> Content:
         The section.
     """
     runs = errors()
-    told = tuple(
+    sentences = tuple(
         f"{name}: {1e3 * run.error.max():.1f} mm at the most, where the commanded "
         f"acceleration is {100 * run.pushed:.0f} % of its largest; reported are about "
         f"{1e3 * reported:.0f} mm."
         for name, (run, reported) in runs.items()
     )
-    return Content(*told, picture(draw_errors(runs), "Tracking error, Eq. (26)."))
+    return Content(*sentences, picture(draw_errors(runs), "Tracking error, Eq. (26)."))
 
 
 def fig19(picture: Pictures) -> Content:

@@ -22,8 +22,7 @@ def draw_fig13(runs: OpenLoop) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.4)
-    position, apart = figure.subplots(1, 2)
+    figure, (position, apart) = style.panels(1, 2, height=3.4)
     first = runs.position[0]
     for column, name, colour in _SERIES:
         position.plot(
@@ -52,8 +51,7 @@ def draw_fig14(runs: OpenLoop) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=2.6)
-    panels = figure.subplots(1, 4, sharey=True)
+    figure, panels = style.panels(1, 4, sharey=True, height=2.6)
     for axes, torque, title in zip(panels, runs.torque, TITLES, strict=True):
         for motor, (colour, dashes) in enumerate(((style.BLUE, "-"), (style.VERMILION, "--"))):
             axes.plot(
@@ -78,8 +76,7 @@ def draw_table2(runs: OpenLoop) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=2.8)
-    panels = figure.subplots(1, 4)
+    figure, panels = style.panels(1, 4, height=2.8)
     for index, (axes, title) in enumerate(zip(panels, TITLES, strict=True)):
         column = 0 if index < 2 else 4
         axes.plot(

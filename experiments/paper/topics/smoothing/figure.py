@@ -28,8 +28,7 @@ def draw_smoothing(numbers: Smoothing) -> Figure:
     Returns:
         The figure: what is off on the left, what it costs on the right.
     """
-    figure = style.new_figure(height=4.2)
-    off, cost = figure.subplots(1, 2, width_ratios=(3, 2))
+    figure, (off, cost) = style.panels(1, 2, widths=(3.0, 2.0), height=4.2)
     for name, values, (colour, line, width) in zip(
         SYMBOLS, 100 * np.abs(numbers.bias.T), _FITTED, strict=True
     ):

@@ -153,27 +153,29 @@ def bias(
     sigma[1] = float(camera.angle_sigma)
 
     def evaluate(logs: Float[np.ndarray, " unknowns"]) -> SumOfSquares:
-        found = model(logs)
-        residual = ((found.position - seen) / sigma).ravel()
-        jacobian = (found.derivative / sigma[:, None]).reshape(-1, len(UNKNOWNS))
+        motion = model(logs)
+        residual = ((motion.position - seen) / sigma).ravel()
+        jacobian = (motion.derivative / sigma[:, None]).reshape(-1, len(UNKNOWNS))
         return SumOfSquares(residual, jacobian)
 
-    found = minimise(
+    minimum = minimise(
         evaluate,
         np.log(BEGIN),
         # A ten-thousandth of the noise that the camera would have in one frame.
         stopping=Stopping(evaluations=50, decrement=1e-8),
     )
     return (
-        np.expm1(found.point) if found.ended == "converged" else np.full_like(AT_TRUTH, np.nan)
+        np.expm1(minimum.point)
+        if minimum.ended == "converged"
+        else np.full_like(AT_TRUTH, np.nan)
     )
 
 
-def gradient_error(found: Motion, truth: Motion, *, frame: int) -> float:
+def gradient_error(motion: Motion, truth: Motion, *, frame: int) -> float:
     """Error of the derivative of where the robot is by the logarithm of μ.
 
     Args:
-        found: What a model says at the truth.
+        motion: What a model says at the truth.
         truth: What the exact engine says.
         frame: Which of the camera's frames.
 
@@ -181,7 +183,7 @@ def gradient_error(found: Motion, truth: Motion, *, frame: int) -> float:
         Over all runs, end-effector and both carriages, sideways: size of the error over
         that of the derivative [1].
     """
-    ours, true = (part.derivative[:, frame, _SIDEWAYS, 0] for part in (found, truth))
+    ours, true = (part.derivative[:, frame, _SIDEWAYS, 0] for part in (motion, truth))
     return float(np.linalg.norm(ours - true) / np.linalg.norm(true))
 
 
@@ -229,13 +231,13 @@ def errors(model: Model, truth: Motion, runs: Pulls) -> Errors:
     Returns:
         Its errors.
     """
-    found = model(AT_TRUTH)
+    motion = model(AT_TRUTH)
     let_go = round(runs.pulled / _FRAME)
     return Errors(
         bias(model, truth.position),
-        gradient_error(found, truth, frame=let_go),
-        gradient_error(found, truth, frame=-1),
-        found.steps,
+        gradient_error(motion, truth, frame=let_go),
+        gradient_error(motion, truth, frame=-1),
+        motion.steps,
     )
 
 
@@ -335,7 +337,7 @@ def _smooth(
     def run(
         pose: Float[Array, "2"], volts: Float[Array, ""]
     ) -> tuple[Float[Array, "frames 5"], Float[Array, "frames unknowns 5"], Int[Array, ""]]:
-        found = smooth_sensitivities(
+        run = smooth_sensitivities(
             lambda unknowns: _robot_of(robot, unknowns),
             _start(pose),
             unknowns=logs,
@@ -343,6 +345,6 @@ def _smooth(
             times=jnp.array([0.0, runs.pulled, runs.length]),
             save_at=jnp.asarray(runs.frames),
         )
-        return found.states.position, found.derivatives.position, found.steps
+        return run.states.position, run.derivatives.position, run.steps
 
     return jax.vmap(run)(jnp.asarray(runs.pose), jnp.asarray(runs.voltage))

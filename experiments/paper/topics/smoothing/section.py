@@ -22,8 +22,8 @@ def smoothing(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found = smoothing_numbers()
-    default, fine = found.default, found.exact[-1]
+    numbers = smoothing_numbers()
+    default, fine = numbers.default, numbers.exact[-1]
     named = [f"{width:.2g} m/s" for width in WIDTHS]
     named += [f"exact, {1e3 * step:g} ms" for step in STEPS]
     named[len(WIDTHS)] += ", the truth"
@@ -35,27 +35,27 @@ def smoothing(picture: Pictures) -> Content:
         "is the smoothing's bias.",
         f"At the default width of {SMOOTHING_WIDTH:g} m/s μ comes out "
         f"{percent(default.bias[0])} off; {percent(WANTED, 1)} asks for "
-        f"{found.width_for_wanted:.1e} m/s. The bias goes with the width to the power "
-        f"{found.order:.2f}.",
+        f"{numbers.width_for_wanted:.1e} m/s. The bias goes with the width to the power "
+        f"{numbers.order:.2f}.",
         "The derivative by μ of where the robot is errs by "
         f"{percent(default.sliding)} while the carriages slide and by "
         f"{percent(default.held)} once friction holds them: a smoothed carriage creeps on "
         "where it should have stopped. That is with the variational equations solved "
         "beside the motion; derivatives through the adaptive solver's steps can be wrong "
         "by any factor, docs/validity.md.",
-        f"Narrow is stiff: {found.by_width[-1].steps:.0f} steps a run at the widest, "
-        f"{found.by_width[0].steps:.0f} at the narrowest. The exact engine takes "
+        f"Narrow is stiff: {numbers.by_width[-1].steps:.0f} steps a run at the widest, "
+        f"{numbers.by_width[0].steps:.0f} at the narrowest. The exact engine takes "
         f"{fine.steps:.0f} steps of {1e3 * STEPS[-1]:g} ms, and its fit is off by "
         f"{np.abs(100 * fine.bias).max():.0e} % at most: fits are made with it.",
         picture(
-            draw_smoothing(found),
+            draw_smoothing(numbers),
             "Left: bias of the estimates, and error of the derivative of the position by "
             "μ, over the width of the smoothed friction. Right: steps of a run with its "
             "derivatives.",
         ),
         table_of(
             "Errors of fits and of derivatives, by the friction's width",
-            map(_row, named, (*found.by_width, *found.exact)),
+            map(_row, named, (*numbers.by_width, *numbers.exact)),
         ),
     )
 

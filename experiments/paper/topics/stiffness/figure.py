@@ -17,8 +17,7 @@ def draw_stiffness(numbers: Stiffness) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.4)
-    curve, map_ = figure.subplots(1, 2)
+    figure, (curve, map_) = style.panels(1, 2, height=3.4)
     middle = len(numbers.x) // 2
     for values, colour, name in (
         (numbers.conventional[middle], style.VERMILION, "four cables, mid-width"),

@@ -16,22 +16,22 @@ def stiffness(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found = stiffness_map()
+    numbers = stiffness_map()
     return Content(
         "“The stiffness of the robot remains invariant for a given pretension”: over the "
         "width exactly, in the model; over the height the horizontal stiffness varies by "
-        f"a factor of {found.loop_ratio:.1f} with both carriages held (poses "
+        f"a factor of {numbers.loop_ratio:.1f} with both carriages held (poses "
         f"{1e3 * CLEAR:.0f} mm clear of the frame), as 1/z₁ + 1/z₂ of (20) does. The "
-        f"conventional robot's varies by a factor of {found.conventional_ratio:.1f} over "
+        f"conventional robot's varies by a factor of {numbers.conventional_ratio:.1f} over "
         "the same poses.",
         f"In the middle, at {TENSION:.0f} N, four cables of the same steel are "
-        f"{found.advantage:.0f} times as stiff: they resist by their elasticity, the "
-        f"single loop by its tension alone ({found.both_held[len(found.y) // 2]:.0f} "
+        f"{numbers.advantage:.0f} times as stiff: they resist by their elasticity, the "
+        f"single loop by its tension alone ({numbers.both_held[len(numbers.y) // 2]:.0f} "
         "N/m), as a string does.",
         "A push that lasts moves carriages that nothing holds: without friction and drives "
         "the single loop has no horizontal stiffness at all, it slides.",
         picture(
-            draw_stiffness(found),
+            draw_stiffness(numbers),
             "Horizontal stiffness at one pretension: over the height at mid-width, and the "
             "conventional robot's over the workspace.",
         ),

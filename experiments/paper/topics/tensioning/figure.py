@@ -16,8 +16,7 @@ def draw_creep(numbers: Creep) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.2)
-    tension, frequency = figure.subplots(1, 2)
+    figure, (tension, frequency) = style.panels(1, 2, height=3.2)
     lines = [
         (values, colour, f"steel, {1e6 * strain:g} µm/m a decade")
         for (strain, values), colour in zip(
@@ -51,8 +50,7 @@ def draw_tensions(numbers: Runs) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=3.2)
-    tension, travel = figure.subplots(1, 2)
+    figure, (tension, travel) = style.panels(1, 2, height=3.2)
     for (name, values), colour in zip(
         numbers.tension.items(), (style.VERMILION, style.ORANGE, style.BLUE), strict=True
     ):

@@ -146,13 +146,13 @@ def runs() -> Runs:
         np.repeat([np.stack([push, push], 1), np.zeros((_INTERVALS, 2))], count, axis=0),
         np.repeat([nothing, knock], count, axis=0),
     )
-    found = _simulated(batch, consistent(), jnp.asarray(poses), inputs)
-    position = np.asarray(found.states.position)
+    simulated = _simulated(batch, consistent(), jnp.asarray(poses), inputs)
+    position = np.asarray(simulated.states.position)
     frequency = [_frequency(run[:, 0]) for run in position[count:]]
     return Runs(
         _PERIOD * np.arange(_INTERVALS + 1),
-        dict(zip(names, np.asarray(found.tension), strict=False)),
-        dict(zip(names, np.asarray(found.travel), strict=False)),
+        dict(zip(names, np.asarray(simulated.tension), strict=False)),
+        dict(zip(names, np.asarray(simulated.travel), strict=False)),
         dict(zip(names, position[:, -1, 0].tolist(), strict=False)),
         dict(zip(names, frequency, strict=False)),
         frequency[-1],

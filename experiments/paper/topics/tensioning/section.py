@@ -26,9 +26,9 @@ def cable(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    printed, used, found = derived_as_printed(), derived_consistently(), creep()
-    worst = found.bare[STRAINS[-1]]
-    left = float(worst[-1] / worst[0])
+    printed, used, histories = derived_as_printed(), derived_consistently(), creep()
+    worst = histories.bare[STRAINS[-1]]
+    share = float(worst[-1] / worst[0])
     rows = (
         {
             "creep [µm/m a decade]": f"{1e6 * strain:g}",
@@ -36,7 +36,7 @@ def cable(picture: Pictures) -> Content:
             "tension [%]": f"{100 * (1 - values[-1] / values[0]):.1f}",
             "frequency [%]": f"{100 * (1 - lost_frequency(values[-1] / values[0])):.1f}",
         }
-        for strain, values in found.bare.items()
+        for strain, values in histories.bare.items()
     )
     return Content(
         f"EA is {1e-3 * used.axial_stiffness:.0f} kN with steel and "
@@ -46,12 +46,12 @@ def cable(picture: Pictures) -> Content:
         f"350 N are {1e6 * strain_of_the_pretension():.0f} µm/m of strain in steel, "
         f"{1e3 * used.stretch:.1f} mm of the loop: any creep of that size takes the whole "
         "pretension. Each 10 µm/m costs 6.6 N.",
-        f"At {1e6 * STRAINS[-1]:g} µm/m a decade {100 * (1 - left):.0f} % of the tension "
-        f"and {100 * (1 - lost_frequency(left)):.0f} % of the frequency are gone after "
+        f"At {1e6 * STRAINS[-1]:g} µm/m a decade {100 * (1 - share):.0f} % of the tension "
+        f"and {100 * (1 - lost_frequency(share)):.0f} % of the frequency are gone after "
         f"{HOURS:g} h. The paper names creep and gives no number; these strains are "
         "examples.",
         picture(
-            draw_creep(found),
+            draw_creep(histories),
             "Pretension of a resting robot under logarithmic creep, and the natural "
             "frequency that is left (f ~ √T): bare loops, the printed modulus, and the "
             "actuator of Figure 21.",
@@ -69,34 +69,34 @@ def fig21(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found = runs()
+    loops = runs()
     rows = (
         {
             "actuator": name,
-            "highest tension [N]": f"{found.tension[name].max():.0f}",
-            "lowest [N]": f"{found.tension[name].min():.0f}",
-            "largest travel [mm]": f"{1e3 * abs(found.travel[name]).max():.2f}",
-            "experiment 1 ends at [m]": f"{found.end[name]:.3f}",
-            "knock [Hz]": f"{found.frequency[name]:.2f}",
+            "highest tension [N]": f"{loops.tension[name].max():.0f}",
+            "lowest [N]": f"{loops.tension[name].min():.0f}",
+            "largest travel [mm]": f"{1e3 * abs(loops.travel[name]).max():.2f}",
+            "experiment 1 ends at [m]": f"{loops.end[name]:.3f}",
+            "knock [Hz]": f"{loops.frequency[name]:.2f}",
         }
-        for name in found.tension
+        for name in loops.tension
     )
-    bare = found.tension["no actuator"].max()
+    bare = loops.tension["no actuator"].max()
     return Content(
-        f"With constant tension the path lengthens by {1e3 * found.path:.1f} mm in "
+        f"With constant tension the path lengthens by {1e3 * loops.path:.1f} mm in "
         "experiment 1. A bare steel loop doesn't let it: its tension rises from 85 to "
         f"{bare:.0f} N, which keeps the robot in line. (The stiffness times the "
         "lengthening, 1.5 kN, leaves out that the rise holds it back: E24.)",
         "An actuator for maintenance, a minute slow, changes nothing in a manoeuvre and "
         "holds the pretension against creep. One that is to hold it during manoeuvres has "
         f"to answer in milliseconds: 20 ms and {TOP_SPEED:g} m/s halve the rise.",
-        f"A knock of 10 N in the middle rings at {found.constant:.2f} Hz with constant "
-        f"tension and at {found.frequency['no actuator']:.2f} Hz on the bare loop: the "
+        f"A knock of 10 N in the middle rings at {loops.constant:.2f} Hz with constant "
+        f"tension and at {loops.frequency['no actuator']:.2f} Hz on the bare loop: the "
         "vibration itself stretches it, twice a period, and stiffens it. At small "
         "amplitudes both have the same frequency, since the lengthening is of second "
         "order.",
         picture(
-            draw_tensions(found),
+            draw_tensions(loops),
             "Experiment 1 on an elastic loop: tension, and the travel of the linear "
             "actuator; dashed the constant tension of the model and its path's "
             "lengthening.",

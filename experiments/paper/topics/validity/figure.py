@@ -27,8 +27,7 @@ def draw_linear_error(numbers: Validity) -> Figure:
     Returns:
         The figure: a panel for each pretension.
     """
-    figure = style.new_figure(height=3.0)
-    panels = figure.subplots(1, len(TENSIONS), sharey=True)
+    figure, panels = style.panels(1, len(TENSIONS), sharey=True, height=3.0)
     for axes, tension, error in zip(panels, TENSIONS, numbers.error, strict=True):
         for index, volts in enumerate(VOLTAGES):
             axes.semilogy(
@@ -55,8 +54,8 @@ def draw_sticking(numbers: Validity) -> Figure:
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=2.8)
-    for axes, carriage in zip(figure.subplots(1, 2, sharey=True), (0, 1), strict=True):
+    figure, panels = style.panels(1, 2, sharey=True, height=2.8)
+    for axes, carriage in zip(panels, (0, 1), strict=True):
         for tension, share, colour in zip(TENSIONS, numbers.sticking, _COLOURS, strict=True):
             axes.semilogx(
                 FORCES,

@@ -19,24 +19,24 @@ def validity(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found = validity_numbers()
-    worst, lag = found.error[:, :, -1].max(axis=1), found.lag[:, :, -1].max(axis=1)
+    numbers = validity_numbers()
+    worst, lag = numbers.error[:, :, -1].max(axis=1), numbers.lag[:, :, -1].max(axis=1)
     commands = [
         f"{acceleration:.1f} m/s² ({volts:g} V)"
-        for acceleration, volts in zip(found.acceleration, VOLTAGES, strict=True)
+        for acceleration, volts in zip(numbers.acceleration, VOLTAGES, strict=True)
     ]
-    errors = [[f"{1e3 * error:.2f}" for error in row] for row in found.error.max(axis=1)]
+    errors = [[f"{1e3 * error:.2f}" for error in row] for row in numbers.error.max(axis=1)]
     rows = (
         {
             "T_eff [N]": f"{tension:g}",
             **dict(zip(commands, errors[index], strict=True)),
             "lag at 10 V [mm]": f"{1e3 * lag[index]:.0f}",
             "error of it [%]": f"{100 * worst[index] / lag[index]:.0f}",
-            "carriages held up to [mm]": f"{1e3 * found.threshold[index]:.1f}",
+            "carriages held up to [mm]": f"{1e3 * numbers.threshold[index]:.1f}",
         }
         for index, tension in enumerate(TENSIONS)
     )
-    inside = np.mean(found.error <= CAMERA)
+    inside = np.mean(numbers.error <= CAMERA)
     return Content(
         "Both drives at some volts for half a second, then coasting: the linear model (18) "
         "with drives and exact friction against the nonlinear one, the largest distance in "
@@ -49,12 +49,12 @@ def validity(picture: Pictures) -> Content:
         "2μ z/(1 − μ²), 11 mm at 85 N and mid-height: small knocks ring with held "
         "carriages, hard ones don't, and the last part of every ring-down does.",
         picture(
-            draw_linear_error(found),
+            draw_linear_error(numbers),
             "Largest error of the end-effector by the linear model, over height, "
             "pretension and commanded acceleration.",
         ),
         picture(
-            draw_sticking(found),
+            draw_sticking(numbers),
             "Share of the three seconds after a knock in which the carriages rest, at "
             "mid-height, friction of 4.5 N on each.",
         ),

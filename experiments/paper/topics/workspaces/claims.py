@@ -8,8 +8,8 @@ from experiments.paper.topics.workspaces.numbers import workspaces
 
 def _one_maximum() -> float:
     """The share that T_min = 10 N has at the T_max that T_min = 50 N asks for, per cent."""
-    found = workspaces()
-    crossed = [found.of(crossed=True, minimum=minimum) for minimum in (10.0, 50.0)]
+    robots = workspaces()
+    crossed = [robots.of(crossed=True, minimum=minimum) for minimum in (10.0, 50.0)]
     return 100 * crossed[0].share(crossed[1].maximum_for(0.4156))
 
 

@@ -23,9 +23,8 @@ def draw_fig3(numbers: Workspaces) -> Figure:
     Returns:
         The figure: four maps.
     """
-    figure = style.new_figure(height=5.6)
-    panels = figure.subplots(2, 2)
-    for axes, cables in zip(panels.ravel(), numbers.cables, strict=True):
+    figure, panels = style.panels(2, 2, height=5.6)
+    for axes, cables in zip(panels, numbers.cables, strict=True):
         needed = np.where(np.isfinite(cables.needed), cables.needed, np.nan)
         filled = axes.contourf(
             1e3 * numbers.x, 1e3 * numbers.y, needed.T, levels=(0, *_LEVELS), cmap="viridis_r"
@@ -34,13 +33,13 @@ def draw_fig3(numbers: Workspaces) -> Figure:
         axes.set_title(cables.name)
         printed = PRINTED[cables.minimum]
         maximum = cables.maximum_for(printed)
-        told = (
+        requirement = (
             f"{100 * printed:.2f} % needs T_max {maximum:.0f} N"
             if np.isfinite(maximum)
             else f"{100 * printed:.2f} % at no T_max: {100 * cables.share(1e9):.1f} % at most"
         )
-        axes.set_xlabel(told)
-    bar = figure.colorbar(filled, ax=list(panels.ravel()), shrink=0.9, pad=0.01)
+        axes.set_xlabel(requirement)
+    bar = figure.colorbar(filled, ax=list(panels), shrink=0.9, pad=0.01)
     bar.set_label("T_max that a pose needs [N]")
     return figure
 
@@ -55,8 +54,7 @@ def draw_fig6(numbers: Workspaces) -> Figure:
     Returns:
         The figure: a map and a diagram.
     """
-    figure = style.new_figure(height=3.4)
-    map_, curve = figure.subplots(1, 2)
+    figure, (map_, curve) = style.panels(1, 2, height=3.4)
     low, high = (
         1e3 * np.asarray(corner) for corner in (numbers.loop.lowest, numbers.loop.highest)
     )

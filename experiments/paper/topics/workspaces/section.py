@@ -49,8 +49,8 @@ def fig3(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found = workspaces()
-    sizes = {"281 × 287, 2.1": found, "287 × 281, Table 1": workspaces(0.287, 0.281)}
+    robots = workspaces()
+    sizes = {"281 × 287, 2.1": robots, "287 × 281, Table 1": workspaces(0.287, 0.281)}
     return Content(
         "The paper prints two percentages and no T_max. No single T_max gives both: open "
         "cables reach 41.56 % at 287 N and never 70.73 %; crossed ones need 93 N and 151 "
@@ -61,7 +61,7 @@ def fig3(picture: Pictures) -> Content:
         "Poses are held upright against 2 kg and gravity with every cable between T_min "
         "and T_max (wrench feasibility); shares are of the frame's area, as printed.",
         picture(
-            draw_fig3(found),
+            draw_fig3(robots),
             "Static workspace of the conventional robot: the largest tension that a pose "
             "needs at least, for open and crossed cables and both least tensions.",
         ),
@@ -81,7 +81,7 @@ def fig6(picture: Pictures) -> Content:
     Returns:
         The section.
     """
-    found = workspaces()
+    robots = workspaces()
     rows = tuple(
         (
             cables.name,
@@ -90,24 +90,24 @@ def fig6(picture: Pictures) -> Content:
                 for t in (100.0, 200.0, 300.0, math.inf)
             ),
         )
-        for cables in found.cables
+        for cables in robots.cables
     )
     return Content(
-        f"Expression (1) with Table 1 is {100 * found.loop_share:.1f} % of the frame's "
+        f"Expression (1) with Table 1 is {100 * robots.loop_share:.1f} % of the frame's "
         "area, less than the conventional robot's printed 70.73 %: measured by the frame "
         "there is no gain.",
         "Measured by the poses whose end-effector lies inside the frame the single loop "
         "has all of them at any tension, and that is the gain; the conventional robot has "
         "what its T_max allows.",
         picture(
-            draw_fig6(found),
+            draw_fig6(robots),
             "Left: the single loop's workspace in the frame. Right: share of the "
             "geometrically reachable poses over the largest tension.",
         ),
         Table(
             "Share of the reachable poses [%]",
             ("robot", "T_max 100 N", "200 N", "300 N", "without limit"),
-            (*rows, ("single loop", *(f"{100 * found.loop_reachable:.1f}",) * 4)),
+            (*rows, ("single loop", *(f"{100 * robots.loop_reachable:.1f}",) * 4)),
         ),
     )
 
