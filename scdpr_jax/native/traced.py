@@ -31,7 +31,7 @@ class Step:
     carried: int
     """How many arrays are carried from step to step."""
     name: str
-    """A hash of the jaxpr."""
+    """A hash of the jaxpr, and of which of its arrays are what."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Step) and self.name == other.name
@@ -130,11 +130,11 @@ def _traced(
         invars=[*(var for var, _, moves in pairs if moves), *closed.jaxpr.invars],
     )
     closed = ClosedJaxpr(lifted, [value for _, value, moves in pairs if not moves])
-    name = hashlib.sha256("\n".join(_described(closed)).encode()).hexdigest()
-    parameters, carried = count
     constants = tuple(value for _, value, moves in pairs if moves)
-    step = Step(closed, parameters + len(constants), carried, name)
-    return Traced(step, constants, outputs)
+    parameters, carried = count[0] + len(constants), count[1]
+    about = [f"{parameters} parameters, {carried} carried", *_described(closed)]
+    name = hashlib.sha256("\n".join(about).encode()).hexdigest()
+    return Traced(Step(closed, parameters, carried, name), constants, outputs)
 
 
 def _is_parameter(constant: Any) -> bool:

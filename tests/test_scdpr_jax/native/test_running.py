@@ -184,3 +184,25 @@ def test_inputs_of_different_lengths_are_refused():
 def test_a_step_that_carries_on_something_else_is_refused():
     with pytest.raises(TypeError, match="carry"):
         native.run(lambda _, c, x: ((c, c), x), (), jnp.array(0.0), jnp.zeros(3))
+
+
+def test_one_jaxpr_with_other_roles_of_its_arrays_is_another_step():
+    def equations(first, second, third, row):
+        return first * third + row, second * row
+
+    def one_carried(parameters, carry, row):
+        return equations(*parameters, carry, row)
+
+    def two_carried(parameter, carry, row):
+        return equations(parameter, *carry, row), None
+
+    first, second, third = jnp.array(0.5), jnp.array(2.0), jnp.array(0.25)
+    rows = jnp.linspace(0.5, 1.0, 5)
+    for step, given in (
+        (one_carried, ((first, second), third)),
+        (two_carried, (first, (second, third))),
+    ):
+        made = native.run(step, *given, rows)
+        expected = native.scan(step, *given, rows)
+        for ours, theirs in zip(jax.tree.leaves(made), jax.tree.leaves(expected), strict=True):
+            np.testing.assert_allclose(ours, theirs, rtol=1e-13)

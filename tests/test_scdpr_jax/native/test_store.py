@@ -2,6 +2,8 @@
 
 import os
 import stat
+import subprocess
+import sys
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +11,7 @@ import numpy as np
 import pytest
 
 from scdpr_jax import native
-from scdpr_jax.native import machine, primitive, store
+from scdpr_jax.native import machine, store
 
 INPUTS = jnp.linspace(0.0, 1.0, 20)
 
@@ -77,31 +79,48 @@ def test_without_jax_cache_nothing_is_kept(cache):
     assert store.kept("name") is None
 
 
-def forgotten():
-    primitive._handler_name.cache_clear()
-    machine._handlers.clear()
+LATER = """
+import sys
+import jax
+import jax.numpy as jnp
+from scdpr_jax import native
+from scdpr_jax.native import machine
+
+jax.config.update("jax_enable_x64", True)
+jax.config.update("jax_compilation_cache_dir", sys.argv[1])
+made, kernel = [], machine.kernel
+machine.kernel = lambda *step, **about: made.append(step) or kernel(*step, **about)
+
+def step(gain, carry, row):
+    return jnp.sin(carry) * gain + 0.1875 * row, carry
+
+end, _ = native.run(step, jnp.array(0.7), jnp.array(0.5), jnp.linspace(0.0, 1.0, 20))
+print(float(end).hex(), len(made))
+"""
 
 
-def test_a_later_process_compiles_nothing_and_a_damaged_object_is_made_anew(cache, monkeypatch):
-    def step(gain, carry, row):
-        return jnp.sin(carry) * gain + 0.1875 * row, carry
+def in_a_process(cache):
+    """The end of a run in a process of its own, and how many kernels it made."""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", LATER, str(cache)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    end, kernels = done.stdout.split()
+    return end, int(kernels)
 
-    def run():
-        return jax.jit(lambda k: native.run(step, k, jnp.array(0.5), INPUTS)[0])(0.7)
 
-    forgotten()
-    first = run()
-    [file] = (cache / "native").iterdir()
+def test_a_later_process_compiles_nothing_and_a_damaged_object_is_made_anew(tmp_path):
+    first, kernels = in_a_process(tmp_path)
+    assert kernels == 1
+    [file] = (tmp_path / "native").iterdir()
     made = file.read_bytes()
 
-    forgotten()
-    with monkeypatch.context() as patched:
-        patched.setattr(machine, "kernel", None)
-        assert run() == first
+    assert in_a_process(tmp_path) == (first, 0)
 
     file.write_bytes(made[:-100] + bytes(100))
-    forgotten()
-    assert run() == first
+    assert in_a_process(tmp_path) == (first, 1)
     assert file.read_bytes() == made
 
 
