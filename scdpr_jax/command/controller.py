@@ -7,7 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float, PyTree
 
-from scdpr_jax.robot.fields import real, si
+from scdpr_jax.robot.fields import concrete, real, refuse, si
 
 _DEGREES_PER_RADIAN = 180 / jnp.pi
 
@@ -66,7 +66,7 @@ def _positive_period(value: Any) -> Float[Array, "..."]:
         "`period` of a controller must be positive [s], got one that isn't: "
         "the paper's loop runs at 1e-3 s."
     )
-    return eqx.error_if(period, ~(period > 0), message)
+    return refuse(period, ~(concrete(period) > 0), message)
 
 
 class PD(Controller):

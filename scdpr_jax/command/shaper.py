@@ -8,29 +8,30 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.trajectory import Trajectory
-from scdpr_jax.robot.fields import real, si
+from scdpr_jax.robot.fields import concrete, real, refuse, si
 
 
 def _ordered_times(value: Any) -> Float[Array, "..."]:
     times = real(value)
-    disordered = jnp.any(jnp.diff(times, axis=-1) < 0) | jnp.any(~(times >= 0))
+    numbers = concrete(times)
+    disordered = (numbers[..., 1:] < numbers[..., :-1]).any() | ~(numbers >= 0).all()
     message = (
         "`times` of a shaper must not be negative nor decrease [s], got some that do: "
         "sort the impulses and count time from the first one."
     )
-    return eqx.error_if(times, disordered, message)
+    return refuse(times, disordered, message)
 
 
 def _unit_sum(value: Any) -> Float[Array, "..."]:
     amplitudes = real(value)
-    sums = jnp.sum(amplitudes, axis=-1)
+    numbers = concrete(amplitudes)
     # Amplitudes written down with seven digits pass, a forgotten impulse doesn't.
-    tolerance = 1e-6 * jnp.sum(jnp.abs(amplitudes), axis=-1)
+    tolerance = 1e-6 * abs(numbers).sum(axis=-1)
     message = (
         "`amplitudes` of a shaper must sum to 1 [1], got another sum: divide them by it, "
         "or the shaped reference ends elsewhere."
     )
-    return eqx.error_if(amplitudes, ~(jnp.abs(sums - 1) <= tolerance), message)
+    return refuse(amplitudes, ~(abs(numbers.sum(axis=-1) - 1) <= tolerance), message)
 
 
 class Shaper(eqx.Module):

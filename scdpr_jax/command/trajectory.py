@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from scdpr_jax.robot.fields import real, si
+from scdpr_jax.robot.fields import concrete, real, refuse, si
 
 QUARTIC: tuple[float, ...] = (0.0, 0.0, 0.5, 1.0, 1.0)
 """Section 6.2's 4th-order Bézier from rest to rest: $3s^2 - 2s^3$.
@@ -68,7 +68,7 @@ def _positive_duration(value: Any) -> Float[Array, "..."]:
         "`duration` of a leg must be positive [s], got one that isn't: "
         "give the time that the leg takes."
     )
-    return eqx.error_if(duration, ~(duration > 0), message)
+    return refuse(duration, ~(concrete(duration) > 0), message)
 
 
 class BezierLeg(Trajectory):
@@ -87,8 +87,9 @@ class BezierLeg(Trajectory):
     """Time $t_s$ from the first to the last control point [s]."""
 
     def position(self, time: Float[Array, ""]) -> Float[Array, "2"]:
-        inside = (time >= 0) & (time <= self.duration)
-        # Both ends count as inside, so that derivatives there are the leg's.
+        # Both ends count as inside, so that derivatives there are the leg's; and so does all
+        # time if the duration is no number, so that neither is the place.
+        inside = ~((time < 0) | (time > self.duration))
         outside = jnp.where(time > 0, jnp.ones_like(time), jnp.zeros_like(time))
         parameter = jnp.where(inside, time / self.duration, outside)
         points = self.control_points
@@ -139,7 +140,7 @@ def _joined(legs: tuple[Trajectory, ...]) -> tuple[Trajectory, ...]:
             f"leg {index + 1} of a manoeuvre must start where leg {index} ends [m], got a "
             "jump: give both the same position."
         )
-        legs = eqx.error_if(legs, ~(jnp.max(jnp.abs(start - end)) <= tolerance), message)
+        legs = refuse(legs, ~(jnp.max(jnp.abs(start - end)) <= tolerance), message)
     return legs
 
 

@@ -1,15 +1,17 @@
 """Fields of the frozen data types: floating-point leaves that know their unit."""
 
 import dataclasses
-from typing import Any
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from scdpr_jax.robot.stated.units import si as si
+
+Tree = TypeVar("Tree")
 
 
 def real(value: Any) -> Float[Array, "..."]:
@@ -25,6 +27,49 @@ def real(value: Any) -> Float[Array, "..."]:
     floating = jnp.issubdtype(array.dtype, jnp.floating)
     # An explicit type also strips weak typing, which would make a second call recompile.
     return jnp.asarray(array, dtype=array.dtype if floating else float)
+
+
+def concrete(array: Float[Array, "..."]) -> Float[Array | np.ndarray, "..."]:
+    """The numbers of an array as NumPy's, which computes without compiling anything.
+
+    Args:
+        array: The array.
+
+    Returns:
+        Its numbers; a traced array, which has none yet, as it is.
+    """
+    return array if isinstance(array, jax.core.Tracer) else np.asarray(array)
+
+
+def refuse(
+    value: Tree, refused: Bool[Array | np.ndarray, "..."] | np.bool_, message: str
+) -> Tree:
+    """A value that must not be used where a condition holds.
+
+    A program with a check inside calls back to Python, and such a program is never kept in
+    JAX's cache: so what is known is checked at once, and what is traced turns into NaN, which
+    whoever looks at the result sees.
+
+    Args:
+        value: Arrays, in any tree.
+        refused: Whether any of them is wrong, see `concrete`.
+        message: What is wrong, where, what was expected, and what to do.
+
+    Returns:
+        The value; NaN throughout where it is traced and wrong.
+
+    Raises:
+        ValueError: If it is known to be wrong.
+    """
+    if not isinstance(refused, jax.core.Tracer):
+        if np.any(np.asarray(refused)):
+            raise ValueError(message)
+        return value
+    wrong = jnp.any(refused)
+    return jax.tree.map(
+        lambda leaf: jnp.where(wrong, jnp.nan, leaf) if eqx.is_inexact_array(leaf) else leaf,
+        value,
+    )
 
 
 def described(record: eqx.Module) -> str:

@@ -6,13 +6,11 @@ equation, linear in the two gains.
 
 from typing import Any
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Complex, Float
 
 from scdpr_jax.command.controller import PD
-from scdpr_jax.robot.fields import real
+from scdpr_jax.robot.fields import measured, real, refuse
 from tuning.loop.plant import MotorPlant, continuous_response, imaginary, sampled_response
 from tuning.loop.responses import continuous_derivative, sampled_delay, sampled_derivative
 
@@ -45,7 +43,7 @@ def shape_loop(
         The controller.
 
     Raises:
-        ValueError: If the request asks for a negative gain; under `jit` an equinox error.
+        ValueError: If the request asks for a negative gain; under `jit` the gains are NaN.
     """
     crossover, phase_margin = real(crossover), real(phase_margin)
     filter_time = real(filter_time)
@@ -81,7 +79,7 @@ def shape_sampled_loop(
         The controller.
 
     Raises:
-        ValueError: If the request asks for a negative gain; under `jit` an equinox error.
+        ValueError: If the request asks for a negative gain; under `jit` the gains are NaN.
     """
     crossover, phase_margin = real(crossover), real(phase_margin)
     period, filter_time = real(period), real(filter_time)
@@ -108,23 +106,12 @@ def _feasible(
     phase_margin: Float[Array, ""],
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
     feasible = (crossover > 0) & (proportional_gain > 0) & (derivative_gain >= 0)
-    remedy = (
-        "a negative derivative gain needs more of either, a negative proportional gain less "
+    degrees = measured(jnp.rad2deg(phase_margin), "1")
+    message = (
+        "`crossover` and `phase_margin` must ask a PD controller for positive gains, got "
+        f"{measured(crossover, 'rad/s')} and {degrees}°, which need "
+        f"{measured(proportional_gain, 'V/rad')} and {measured(derivative_gain, 'V s/rad')}: a "
+        "negative derivative gain needs more of either, a negative proportional gain less "
         "phase margin or a shorter filter."
     )
-    try:
-        refused = not bool(feasible)
-    except jax.errors.TracerBoolConversionError:
-        message = (
-            "`crossover` [rad/s] and `phase_margin` [rad] must ask a PD controller for "
-            f"positive gains, got a request that doesn't: {remedy}"
-        )
-        return eqx.error_if((proportional_gain, derivative_gain), ~feasible, message)
-    if refused:
-        raise ValueError(
-            "`crossover` and `phase_margin` must ask a PD controller for positive gains, got "
-            f"{float(crossover):.4g} rad/s and {float(jnp.rad2deg(phase_margin)):.4g}°, which "
-            f"need {float(proportional_gain):.4g} V/rad and {float(derivative_gain):.4g} "
-            f"V s/rad: {remedy}"
-        )
-    return proportional_gain, derivative_gain
+    return refuse((proportional_gain, derivative_gain), ~feasible, message)

@@ -153,14 +153,15 @@ def test_campaign_reference_is_table_3_at_half_its_times(run, name):
 
 def test_legs_that_do_not_join_are_refused():
     away = rest_to_rest(END + 0.1, START, duration=1.0)
-    with pytest.raises(Exception, match="leg 2 of a manoeuvre must start where leg 1 ends"):
+    with pytest.raises(ValueError, match="leg 2 of a manoeuvre must start where leg 1 ends"):
         Manoeuvre((LEG, away))
 
 
-def test_a_leg_of_no_duration_is_refused_under_jit():
+def test_a_leg_of_no_duration_is_refused_and_leads_nowhere_under_jit():
+    with pytest.raises(ValueError, match="`duration` of a leg must be positive"):
+        rest_to_rest(START, END, duration=0.0)
     build = jax.jit(lambda time: rest_to_rest(START, END, duration=time).position(time))
-    with pytest.raises(Exception, match="`duration` of a leg must be positive"):
-        build(jnp.asarray(0.0)).block_until_ready()
+    assert jnp.all(jnp.isnan(build(jnp.asarray(0.0))))
 
 
 def test_a_manoeuvre_without_legs_is_refused():

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from scdpr_jax.robot.fields import measured, real
+from scdpr_jax.robot.fields import concrete, measured, real, refuse
 from scdpr_jax.robot.friction import Coulomb
 
 
@@ -38,3 +38,16 @@ def test_an_array_and_a_traced_number_are_shown_as_their_shape():
     jax.eval_shape(lambda number: shown.append(measured(number, "N")), jnp.asarray(1.0))
     assert measured(jnp.ones(3), "N") == eqx.tree_pformat(jnp.ones(3)) + " N"
     assert shown == [eqx.tree_pformat(jnp.asarray(1.0)) + " N"]
+
+
+def test_what_is_refused_raises_where_it_is_known_and_is_no_number_where_it_is_traced():
+    def positive(number):
+        return refuse({"number": number}, ~(concrete(number) > 0), "must be positive")["number"]
+
+    assert positive(jnp.array(2.0)) == 2.0
+    with pytest.raises(ValueError, match="must be positive"):
+        positive(jnp.array(-2.0))
+    each = jax.vmap(positive)(jnp.array([-2.0, 3.0]))
+    assert jnp.isnan(each[0])
+    assert each[1] == 3.0
+    assert jax.grad(jax.jit(lambda x: positive(x) ** 2))(3.0) == 6.0

@@ -105,10 +105,10 @@ def test_a_sampled_loop_refuses_what_its_delay_forbids():
         shape_sampled_loop(PLANT, crossover=1500.0, phase_margin=SIXTY)
 
 
-def test_an_infeasible_request_is_refused_under_jit():
+def test_an_infeasible_request_has_no_gains_under_jit():
     design = jax.jit(lambda margin: shape_loop(PLANT, crossover=40.0, phase_margin=margin))
-    with pytest.raises(Exception, match="must ask a PD controller for positive gains"):
-        jax.block_until_ready(design(jnp.asarray(0.1)))
+    assert jnp.isnan(design(jnp.asarray(0.1)).derivative_gain)
+    assert jnp.isfinite(design(SIXTY).derivative_gain)
 
 
 @pytest.mark.parametrize("design", [shape_loop, shape_sampled_loop])

@@ -139,10 +139,11 @@ def test_amplitudes_are_positive_and_sum_to_one(design, frequency, damping):
 
 @pytest.mark.parametrize("design", DESIGNS, ids=NAMES)
 @pytest.mark.parametrize("mode", [(0.0, 0.1), (3.0, 1.0), (3.0, -0.1)])
-def test_a_mode_that_does_not_vibrate_is_refused_under_jit(design, mode):
+def test_a_mode_that_does_not_vibrate_is_refused_and_has_no_shaper_under_jit(design, mode):
+    with pytest.raises(ValueError, match="a mode that doesn't vibrate needs no shaper"):
+        design(*mode)
     build = jax.jit(lambda frequency, ratio: design(frequency, ratio).times)
-    with pytest.raises(Exception, match="a mode that doesn't vibrate needs no shaper"):
-        build(*map(jnp.asarray, mode)).block_until_ready()
+    assert jnp.all(jnp.isnan(build(*map(jnp.asarray, mode))))
 
 
 @pytest.mark.parametrize("design", DESIGNS, ids=NAMES)

@@ -129,7 +129,7 @@ def test_two_hump_ei_agrees_with_the_published_fit():
 def test_more_damping_than_a_hump_survives_is_refused(design, humps):
     if humps == 1:
         pytest.skip("one hump exists at any damping ratio that vibrates")
-    with pytest.raises(Exception, match="couldn't be solved for"):
+    with pytest.raises(ValueError, match="couldn't be solved for"):
         design(3.0, 0.45)
 
 

@@ -3,13 +3,12 @@
 import functools
 from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from scdpr_jax.command.shaper import Shaper, impulse_phasors
-from scdpr_jax.robot.fields import real
+from scdpr_jax.robot.fields import real, refuse
 from tuning.shapers.catalogue.periods import shaper_of_mode
 from tuning.shapers.newton import continued_root
 
@@ -102,7 +101,7 @@ def extra_insensitive(
         A shaper of about (humps + 1) / 2 damped periods.
 
     Raises:
-        RuntimeError: If the mode doesn't vibrate or the conditions can't be met.
+        ValueError: If the mode doesn't vibrate or the conditions can't be met.
 
     References: see `ei` and `two_hump_ei`; C. L. Dolph, "A current distribution for
     broadside arrays", Proc. IRE 34(6), 1946, doi:10.1109/JRPROC.1946.225956.
@@ -116,7 +115,7 @@ def extra_insensitive(
     )
     # A mode that doesn't vibrate has a message of its own.
     vibrates = (ratio >= 0) & (ratio < 1)
-    amplitudes = eqx.error_if(amplitudes, missed & vibrates, message)
+    amplitudes = refuse(amplitudes, missed & vibrates, message)
     return shaper_of_mode(frequency, ratio, periods=periods, amplitudes=amplitudes)
 
 

@@ -2,12 +2,11 @@
 
 from typing import Any
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.shaper import Shaper
-from scdpr_jax.robot.fields import real
+from scdpr_jax.robot.fields import concrete, real, refuse
 
 
 def damped_period(frequency: Any, damping_ratio: Any) -> Float[Array, ""]:
@@ -55,13 +54,14 @@ def shaper_of_mode(
         The shaper.
 
     Raises:
-        RuntimeError: If the mode doesn't vibrate.
+        ValueError: If the mode doesn't vibrate.
     """
     frequency, ratio = real(frequency), real(damping_ratio)
-    refused = ~((frequency > 0) & (ratio >= 0) & (ratio < 1))
+    hertz, damping = concrete(frequency), concrete(ratio)
+    refused = ~((hertz > 0) & (damping >= 0) & (damping < 1))
     message = (
         "`frequency` [Hz] of a shaper must be positive and its `damping_ratio` [1] within "
         "[0, 1), got one that isn't: a mode that doesn't vibrate needs no shaper."
     )
-    frequency = eqx.error_if(frequency, refused, message)
+    frequency = refuse(frequency, refused, message)
     return Shaper(damped_period(frequency, ratio) * periods, amplitudes)

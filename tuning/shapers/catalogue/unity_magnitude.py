@@ -3,13 +3,12 @@
 from collections.abc import Callable
 from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from scdpr_jax.command.shaper import Shaper, impulse_phasors
-from scdpr_jax.robot.fields import real
+from scdpr_jax.robot.fields import real, refuse
 from tuning.shapers.catalogue.periods import shaper_of_mode
 from tuning.shapers.newton import continued_root
 
@@ -33,7 +32,7 @@ def um_zv(frequency: Any, damping_ratio: Any) -> Shaper:
         The shaper.
 
     Raises:
-        RuntimeError: If the mode doesn't vibrate or the conditions can't be met.
+        ValueError: If the mode doesn't vibrate or the conditions can't be met.
 
     Reference: W. Singhose, W. Seering, N. Singer, "Design and implementation of time-optimal
     negative input shapers", Proc. ASME Winter Annual Meeting, DSC 55-1, 1994; W. Singhose,
@@ -63,7 +62,7 @@ def um_ei(frequency: Any, damping_ratio: Any, *, tolerance: Any = 0.05) -> Shape
         The shaper.
 
     Raises:
-        RuntimeError: If the mode doesn't vibrate or the conditions can't be met.
+        ValueError: If the mode doesn't vibrate or the conditions can't be met.
 
     Reference: see `um_zv`.
     """
@@ -136,4 +135,4 @@ def _checked(periods: Float[Array, " impulses"], missed: Bool[Array, ""]) -> Flo
         "at most 0.3 and its `tolerance` [1] within [0.01, 0.1], got others. Take a positive "
         "shaper."
     )
-    return eqx.error_if(periods, missed, message)
+    return refuse(periods, missed, message)
