@@ -3,6 +3,7 @@
 import contextlib
 import os
 import pathlib
+import sys
 from collections.abc import Iterator
 
 import jax
@@ -16,6 +17,7 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bar
 
+from scdpr_jax.numerics.private_folder import private_folder
 from scdpr_jax.numerics.progress import Progress
 
 
@@ -29,9 +31,24 @@ def set_up(*, double: bool = True, all_cores: bool = False) -> None:
     jax.config.update("jax_enable_x64", double)
     if all_cores:
         jax.config.update("jax_num_cpu_devices", os.cpu_count() or 1)
-    home = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
-    jax.config.update("jax_compilation_cache_dir", str(pathlib.Path(home) / "scdpr-jax"))
+    try:
+        cache = private_folder(_cache_folder())
+    except (OSError, RuntimeError) as reason:
+        print(f"compiled programs aren't kept: {reason}", file=sys.stderr)
+        return
+    jax.config.update("jax_compilation_cache_dir", str(cache))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+
+
+def _cache_folder() -> pathlib.Path:
+    """Where compiled programs are kept: they are code, see `private_folder`.
+
+    Raises:
+        RuntimeError: If the user has no home.
+    """
+    return pathlib.Path(
+        os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache", "scdpr-jax"
+    )
 
 
 @contextlib.contextmanager

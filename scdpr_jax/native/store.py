@@ -6,13 +6,13 @@ that isn't whole, or not what its name says, counts as none.
 """
 
 import hashlib
-import os
 import pathlib
-import stat
 import tempfile
 import warnings
 
 import jax
+
+from scdpr_jax.numerics.private_folder import private_folder
 
 _MARK = b"scdpr-jax machine code 1\n"
 
@@ -27,25 +27,14 @@ def folder() -> pathlib.Path | None:
     cache = jax.config.jax_compilation_cache_dir
     if not cache or "://" in cache:
         return None
-    own = pathlib.Path(cache, "native")
-    if not own.is_absolute():
-        return _refused(own, "it is relative", "Name it in full.")
     try:
-        own.mkdir(mode=0o700, parents=True, exist_ok=True)
-        found = own.lstat()
+        return private_folder(pathlib.Path(cache, "native"))
     except OSError as reason:
-        return _refused(own, str(reason), "Name one that can be written.")
-    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid():
-        return _refused(own, "it is another's, or no folder", "Remove it.")
-    if stat.S_IMODE(found.st_mode) & 0o077:
-        return _refused(own, "others have access to it", "Give it the mode 0700.")
-    return own
+        return _refused(reason)
 
 
-def _refused(own: pathlib.Path, reason: str, remedy: str) -> None:
-    warnings.warn(
-        f"Machine code isn't kept in {own}, as {reason}. {remedy}", RuntimeWarning, stacklevel=2
-    )
+def _refused(reason: OSError) -> None:
+    warnings.warn(f"Machine code isn't kept: {reason}", RuntimeWarning, stacklevel=2)
 
 
 def kept(name: str) -> bytes | None:
@@ -87,4 +76,4 @@ def keep(name: str, code: bytes) -> None:
             part.write(head + code)
         pathlib.Path(part.name).replace(own / f"{name}.o")
     except OSError as reason:
-        _refused(own, str(reason), "Make room, or name another folder.")
+        _refused(reason)
