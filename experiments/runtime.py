@@ -6,7 +6,6 @@ import pathlib
 import sys
 from collections.abc import Iterator
 
-import jax
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -28,6 +27,8 @@ def set_up(*, double: bool = True, all_cores: bool = False) -> None:
         double: Whether to compute in float64; fits need it, maps don't.
         all_cores: Whether each core is a device of its own, for `scdpr_jax.numerics.batches`.
     """
+    import jax  # Not before there is something to compute: `--help` doesn't wait for it.
+
     jax.config.update("jax_enable_x64", double)
     if all_cores:
         jax.config.update("jax_num_cpu_devices", os.cpu_count() or 1)

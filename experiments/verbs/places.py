@@ -3,8 +3,6 @@
 import pathlib
 from typing import TYPE_CHECKING
 
-from identification.campaign.quantities import parse_quantity
-
 if TYPE_CHECKING:
     from scdpr_jax.robot.parameters import Robot
 
@@ -40,6 +38,8 @@ def parse_position(text: str, *, name: str, robot: "Robot") -> tuple[float, floa
     Raises:
         ValueError: If it isn't two lengths, or lies outside of what the frame allows.
     """
+    from identification.campaign.quantities import parse_quantity
+
     parts = text.split(",")
     if len(parts) != 2:
         raise ValueError(

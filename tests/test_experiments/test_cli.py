@@ -1,4 +1,6 @@
 import pathlib
+import subprocess
+import sys
 
 import pytest
 
@@ -39,3 +41,26 @@ def test_the_help_names_every_verb(capsys):
 def test_of_a_misspelt_verb_the_nearest_is_told(capsys):
     assert main(["calibrat"]) == BAD_INPUT
     assert "Did you mean `scdpr calibrate`?" in capsys.readouterr().err
+
+
+WITHOUT_JAX = """
+import sys
+from experiments.cli import main
+try:
+    main(sys.argv[1:])
+except SystemExit:
+    pass
+assert "jax" not in sys.modules, "jax was imported"
+"""
+
+
+@every_verb
+def test_help_waits_for_no_jax(verb):
+    subprocess.run([sys.executable, "-c", WITHOUT_JAX, verb, "--help"], check=True)
+
+
+@pytest.mark.parametrize("verb", ["calibrate", "identify", "frequencies"])
+def test_what_is_wrong_with_a_campaign_is_said_before_jax_is_loaded(verb, tmp_path):
+    (tmp_path / "campaign").mkdir()
+    call = [verb, str(tmp_path / "campaign"), "--out", str(tmp_path / "out")]
+    subprocess.run([sys.executable, "-c", WITHOUT_JAX, *call], check=True)

@@ -22,10 +22,9 @@ def frequencies(
         skip_bad_runs: Go on without runs that have faults, and say which.
         accept: Contradictions of the log doctor to go on with, by their identifiers.
     """
-    from experiments.reports import summary
+    # What is wrong with the input is said before anything heavy is imported.
     from experiments.verbs.log_doctor import examined
     from identification.campaign import read_campaign
-    from identification.knocks.frequency_map import frequency_map, write_frequencies
 
     require_outside(out, campaign)
     read = examined(
@@ -33,6 +32,9 @@ def frequencies(
     )
     if read is None:
         return BAD_INPUT
+    from experiments.reports import summary
+    from identification.knocks.frequency_map import frequency_map, write_frequencies
+
     knocks = frequency_map(read)
     write_frequencies(knocks, out / "frequencies.csv")
     summary.show_frequencies(OUT, knocks)

@@ -47,11 +47,19 @@ def identify(
         accept: Contradictions of the log doctor to go on with, by their identifiers;
             parameters.json carries them.
     """
+    # What is wrong with the input is said before anything heavy is imported.
+    from experiments.verbs.log_doctor import examined
+    from identification.campaign import read_campaign
+
+    require_outside(out, campaign)
+    read = examined(
+        read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="identify"
+    )
+    if read is None:
+        return BAD_INPUT
     set_up()
     from experiments.reports import summary
     from experiments.studies.findings import findings
-    from experiments.verbs.log_doctor import examined
-    from identification.campaign import read_campaign
     from identification.checks.leave_out import without_each_run
     from identification.checks.posterior import posterior as sampled
     from identification.checks.posterior import require_numpyro
@@ -62,7 +70,6 @@ def identify(
     from identification.result.estimation import estimate
     from identification.result.parameters_file import write_parameters
 
-    require_outside(out, campaign)
     if posterior:
         require_numpyro()
     options = FitOptions(
@@ -71,11 +78,6 @@ def identify(
         measured=tuple(map(parse_measured, measured)),
         clock_drifts=camera_drifts,
     )
-    read = examined(
-        read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="identify"
-    )
-    if read is None:
-        return BAD_INPUT
     with shown_progress(ERRORS) as progress:
         fitted = (estimate if free else select)(read, options, progress=progress)
         traced = traced_profiles(read, fitted) if profile else ()

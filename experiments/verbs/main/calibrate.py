@@ -37,21 +37,23 @@ def calibrate(
         accept: Contradictions of the log doctor to go on with, by their identifiers; the
             report and parameters.json carry them.
     """
-    set_up()
-    from experiments.reports import summary
-    from experiments.reports.written_files import write_calibration
-    from experiments.studies import pipeline
+    # What is wrong with the input is said before anything heavy is imported.
     from experiments.verbs.log_doctor import examined
     from identification.campaign import read_campaign
-    from identification.fit.unknowns.measured_text import parse_measured
 
     require_outside(out, campaign)
-    otherwise = tuple(map(parse_measured, measured))
     read = examined(
         read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="calibrate"
     )
     if read is None:
         return BAD_INPUT
+    set_up()
+    from experiments.reports import summary
+    from experiments.reports.written_files import write_calibration
+    from experiments.studies import pipeline
+    from identification.fit.unknowns.measured_text import parse_measured
+
+    otherwise = tuple(map(parse_measured, measured))
     with shown_progress(ERRORS) as progress:
         findings = pipeline.calibrate(
             read,
