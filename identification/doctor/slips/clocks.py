@@ -64,7 +64,7 @@ def _rate(case: Case, *, simple: bool) -> Undone | None:
     if not 1 / LARGEST_RATE < factor < LARGEST_RATE or abs(factor - 1) < 0.1:
         return None
     near = min(
-        (ratio for whole in range(2, 26) for ratio in (whole, 1 / whole)),
+        (ratio for whole in range(2, 26) for ratio in (float(whole), 1 / whole)),
         key=lambda ratio: abs(math.log(factor / ratio)),
     )
     if not simple:
