@@ -26,8 +26,9 @@ LEAST_COUNTS = 12
 STRONGEST = 8
 """Steps of the strongest acceleration that a jump is at least."""
 
-SLOW = 0.004
-"""Sample period [s] from which on a step's neighbours tell its motion only coarsely."""
+SLOW = 0.0045
+"""Sample period [s] above which a step's neighbours tell its motion only coarsely: 250 Hz is
+on this side of it, however its time stamps round."""
 
 
 class _Steps(NamedTuple):
