@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
 
 from identification.campaign.types import Sensors
 from identification.fit.comparison import CAMERA, ENCODERS
@@ -13,6 +12,7 @@ from identification.fit.unknowns.unknowns import PER_SETTING, encode
 from identification.judge.uncertainty import ParameterEstimate, magnitude
 from identification.next_run.expected_information import FRAME_RATE, Rig, rig_errors
 from identification.result.fitted_robot import FittedRobot, Residual
+from scdpr_jax.legs.draws import root_of
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import quantity
 
@@ -61,7 +61,7 @@ def known_rig(
         robot=robot,
         names=tuple(row.name for row in kept),
         point=np.array([encode(row.name, row.value) for row in kept]),
-        root=_root(correlation * np.outer(sigma, sigma)),
+        root=root_of(correlation * np.outer(sigma, sigma)),
         count=math.sqrt(12) * (noise or Sensors().encoder_sigma),
         log_rate=log_rate,
         top_speed=top_speed,
@@ -141,9 +141,3 @@ def _spread(row: ParameterEstimate) -> float:
     if 0 < row.sigma < math.inf:
         return row.sigma / size
     return UNTOLD * magnitude(row.name, row.value) / size
-
-
-def _root(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
-    """Root, itself times its transpose; rounding may leave a variance below zero."""
-    values, vectors = np.linalg.eigh(covariance)
-    return vectors * np.sqrt(np.maximum(values, 0.0))

@@ -24,7 +24,7 @@ def wrote(*paths: pathlib.Path) -> None:
     """
     OUT.print()
     for path in paths:
-        OUT.print(f"wrote {path}", markup=False)
+        OUT.print(f"wrote {path}", markup=False, soft_wrap=True)
 
 
 def suggest(*calls: str) -> None:
@@ -34,7 +34,8 @@ def suggest(*calls: str) -> None:
         calls: Calls to make.
     """
     for call in calls:
-        OUT.print(f"next: {call}", markup=False)
+        # A call that is broken into lines can't be pasted.
+        OUT.print(f"next: {call}", markup=False, soft_wrap=True)
 
 
 def plan_call(tuning: pathlib.Path) -> str:

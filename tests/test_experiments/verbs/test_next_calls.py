@@ -14,7 +14,7 @@ from experiments.reports import written_files
 from experiments.studies import pipeline
 from experiments.studies.findings import findings
 from experiments.studies.findings.tuning import tuning_findings
-from experiments.verbs import log_doctor
+from experiments.verbs import console, log_doctor
 from experiments.verbs.main import calibrate
 from identification import campaign as logs
 from scdpr_jax.numerics.progress import SILENT
@@ -79,3 +79,9 @@ def test_no_verb_picks_what_it_wrote_by_its_place():
             if call.func.id in ("suggest", "plan_call", "wrote"):
                 by_place = [n for n in ast.walk(call) if isinstance(n, ast.Subscript)]
                 assert not by_place, f"{path}:{call.lineno}"
+
+
+def test_a_call_longer_than_the_terminal_is_one_line(capsys):
+    call = "scdpr plan " + 20 * "a-long-folder/" + 'tuning.json --from "0.3 m, 0.55 m"'
+    console.suggest(call)
+    assert capsys.readouterr().out == f"next: {call}\n"

@@ -23,13 +23,14 @@ from experiments.paper.topics.knocks.numbers import MEASURED, Level, level
 from experiments.paper.topics.manoeuvres.numbers import BOTH_LEGS, GRAVITY, ONE_LEG
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import Trajectory, table_3
-from scdpr_jax.engines.closed_loop import closed_loop
+from scdpr_jax.legs.command_law import CommandLaw
+from scdpr_jax.legs.ensemble import single
+from scdpr_jax.legs.leg import run_leg
 from scdpr_jax.linear.modes import BOTH_HELD, DRIVEN, LOWER_HELD, PRINTED, Condition
 from scdpr_jax.numerics.levenberg_marquardt import Stopping, minimise
 from scdpr_jax.numerics.merit import SumOfSquares
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
-from scdpr_jax.robot.state import rest
 
 NOMINAL = 350.0
 """Nominal pretension of the manoeuvres and of the breakaway [N]; section 6 prints none."""
@@ -243,11 +244,9 @@ def _extremes(
         robot = replace(
             robot, {"effective_pretension": pull, "friction_coefficient": coefficient}
         )
-        led = jax.vmap(reference.position)(time)
-        x, y = led[0]
-        run = closed_loop(robot, rest(robot, x, x, y), published_pd(), reference=led)
-        off = jnp.hypot(*(run.states.pose - led).T)
-        return jnp.max(off), jnp.max(jnp.abs(run.states.tilt))
+        commands = CommandLaw(reference, published_pd()).commands(time.size)
+        leg = run_leg(robot, single(robot, commands.commanded[0]).start, commands)
+        return leg.measures.largest_error, leg.measures.largest_tilt
 
     each = jax.vmap(run, in_axes=(None, None, 0))
     return jax.vmap(each, in_axes=(0, 0, None))(tension, friction, references)

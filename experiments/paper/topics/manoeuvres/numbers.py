@@ -11,11 +11,14 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import TABLE_3_LEG_TIMES, Trajectory, table_3
-from scdpr_jax.engines.closed_loop import closed_loop, joint_references, pulley_angles
+from scdpr_jax.engines.closed_loop import joint_references, pulley_angles
+from scdpr_jax.legs.command_law import CommandLaw
+from scdpr_jax.legs.ensemble import single
+from scdpr_jax.legs.leg import run_leg
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace, value
-from scdpr_jax.robot.state import TILT, pose, rest
+from scdpr_jax.robot.state import TILT, pose
 
 NAMES = ("horizontal", "vertical", "diagonal")
 """Manoeuvres of Table 3."""
@@ -132,15 +135,14 @@ def with_tension(
 def _controlled(
     robot: Robot, trajectory: Trajectory, time: Float[Array, " samples"]
 ) -> tuple[Float[Array, "_ _"], ...]:
-    reference = jax.vmap(trajectory.position)(time)
-    x, y = reference[0]
-    start = rest(robot, x, x, y)
-    run = closed_loop(robot, start, published_pd(), reference=reference)
+    commands = CommandLaw(trajectory, published_pd()).commands(time.size)
+    start = single(robot, commands.commanded[0]).start
+    leg = run_leg(robot, start, commands)
     return (
-        reference,
+        leg.reference,
         jax.vmap(trajectory.acceleration)(time),
-        run.states.position,
-        joint_references(robot, reference),
-        jax.vmap(lambda state: pulley_angles(robot, state, start))(run.states),
-        run.voltage,
+        leg.states.position,
+        joint_references(robot, leg.reference),
+        jax.vmap(lambda state: pulley_angles(robot, state, start))(leg.states),
+        leg.voltage,
     )
