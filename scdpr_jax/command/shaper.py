@@ -145,6 +145,7 @@ def padded(shaper: Shaper, count: int) -> Shaper:
     )
 
 
+@jax.jit
 def impulse_phasors(
     times: Float[Array, " impulses"],
     *,
@@ -173,6 +174,7 @@ def impulse_phasors(
     return jnp.stack([decay * jnp.cos(angle), decay * jnp.sin(angle)])
 
 
+@jax.jit
 def residual_phasor(
     shaper: Shaper, *, frequency: Float[Array, ""], damping_ratio: Float[Array, ""]
 ) -> Float[Array, "2"]:
@@ -198,6 +200,7 @@ def residual_phasor(
     return phasors @ shaper.amplitudes
 
 
+@jax.jit
 def residual_vibration(
     shaper: Shaper, *, frequency: Float[Array, ""], damping_ratio: Float[Array, ""]
 ) -> Float[Array, ""]:

@@ -9,6 +9,7 @@ $[x_e, \delta_e, q_3, q_4]$. Damping is left out; with it, see `scdpr_jax.linear
 import enum
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -88,6 +89,7 @@ class Modes(eqx.Module):
     $\phi_n^T M \phi_n = 1$, their largest component positive, a held carriage's zero."""
 
 
+@jax.jit
 def natural_frequencies(
     robot: Robot, height: Float[Array, ""], condition: Condition
 ) -> Float[Array, " modes"]:
@@ -109,6 +111,7 @@ def natural_frequencies(
     return jnp.sqrt(jnp.linalg.eigvalsh(elastic)) / (2 * jnp.pi)
 
 
+@jax.jit
 def held_frequency(robot: Robot, height: Float[Array, ""]) -> Float[Array, ""]:
     """Natural frequency of the sway while friction holds both carriages.
 
@@ -122,6 +125,7 @@ def held_frequency(robot: Robot, height: Float[Array, ""]) -> Float[Array, ""]:
     return natural_frequencies(robot, height, BOTH_HELD)[0]
 
 
+@jax.jit
 def modes(robot: Robot, height: Float[Array, ""], condition: Condition) -> Modes:
     r"""Natural frequencies and mode shapes of the elastic modes, Eq. (18).
 

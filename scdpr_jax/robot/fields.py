@@ -23,10 +23,14 @@ def real(value: Any) -> Float[Array, "..."]:
     Returns:
         The same numbers; arrays that are floating already keep their precision.
     """
-    array = jnp.asarray(value)
+    # Numbers become floating in NumPy, which compiles nothing.
+    array = np.asarray(value) if isinstance(value, _NUMBERS) else jnp.asarray(value)
     floating = jnp.issubdtype(array.dtype, jnp.floating)
     # An explicit type also strips weak typing, which would make a second call recompile.
     return jnp.asarray(array, dtype=array.dtype if floating else float)
+
+
+_NUMBERS = (bool, int, float, np.ndarray, np.generic)
 
 
 def concrete(array: Float[Array, "..."]) -> Float[Array | np.ndarray, "..."]:

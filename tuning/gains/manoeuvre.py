@@ -5,6 +5,7 @@ import functools
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD, published_pd
@@ -105,15 +106,16 @@ def runs(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> LegM
     """
     count = len(tasks.ensemble)
 
-    def spread(leaf: Array, single: int) -> Array:
-        every = leaf if leaf.ndim > single else jnp.broadcast_to(leaf, (count, *leaf.shape))
-        return jnp.concatenate([every, jnp.repeat(every[:1], -count % LANES, axis=0)])
+    # The last chunk is filled up with the first run.
+    rows = np.resize(np.arange(count), count + -count % LANES)
+    rows[count:] = 0
+
+    def spread(leaf: Array, single: int) -> np.ndarray:
+        numbers = np.asarray(leaf)
+        return numbers[rows] if leaf.ndim > single else np.stack([numbers] * len(rows))
 
     lanes = (
-        jax.tree.map(
-            lambda leaf: jnp.concatenate([leaf, jnp.repeat(leaf[:1], -count % LANES, axis=0)]),
-            tasks,
-        ),
+        jax.tree.map(lambda leaf: np.asarray(leaf)[rows], tasks),
         jax.tree.map(lambda leaf: spread(leaf, 0), controllers),
         jax.tree.map(lambda leaf: spread(leaf, 1), shapers),
     )
@@ -121,7 +123,7 @@ def runs(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> LegM
     for first in range(0, count, LANES):
         chunk = jax.tree.map(lambda leaf, first=first: leaf[first : first + LANES], lanes)
         measures.append(_chunk(*chunk, leg_time))
-    return jax.tree.map(lambda *parts: jnp.concatenate(parts)[:count], *measures)
+    return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *measures)
 
 
 @functools.partial(jax.jit, static_argnames="leg_time")

@@ -110,12 +110,12 @@ def optimise(
         designs: Float[np.ndarray, "population n"],
     ) -> Float[np.ndarray, " population"]:
         """Mean loss of each design, the pretension as fitted counting half."""
-        design = jax.vmap(unflatten)(jnp.asarray(designs))
-        pds = jax.vmap(lambda d: at_period(COARSE_PERIOD, controller_of(within, d)))(design)
-        shapers = jax.vmap(shaper_of)(design)
         crossed = len(designs), len(VARIATIONS)
-        lanes = jax.tree.map(lambda leaf: jnp.repeat(leaf, crossed[1], axis=0), (pds, shapers))
-        tasks = jax.tree.map(lambda leaf: jnp.concatenate([leaf] * crossed[0]), around)
+        lanes = jax.tree.map(
+            lambda leaf: np.repeat(leaf, crossed[1], axis=0),
+            _laws(jnp.asarray(designs), within, impulses=impulses),
+        )
+        tasks = jax.tree.map(lambda leaf: np.concatenate([leaf] * crossed[0]), around)
         total = np.zeros(crossed[0])
         for leg, before in baseline.items():
             after = runs(tasks, *lanes, leg)
@@ -201,16 +201,39 @@ def _descend(
     progress: Progress,
 ) -> Float[np.ndarray, " n"]:
     """Adam from a point, keeping the best: a step over a sticking instant may lose."""
-    optimiser = optax.chain(optax.clip_by_global_norm(1.0), optax.adam(1e-2))
-    memory = optimiser.init(point)
+    memory = _ADAM.init(point)
     best, least = point, np.inf
     for number in range(steps):
         progress("gains and shaper: descent", number / steps)
         value, gradient = slope(point)
         if float(value) < least:
             best, least = point, float(value)
-        # Adam's bias correction mixes a float with a counter, which strict promotion refuses.
-        with jax.numpy_dtype_promotion("standard"):
-            change, memory = optimiser.update(gradient, memory, point)
-        point = optax.apply_updates(point, change)
+        point, memory = _adams_step(point, gradient, memory)
     return np.asarray(best)
+
+
+_ADAM = optax.chain(optax.clip_by_global_norm(1.0), optax.adam(1e-2))
+
+
+@jax.jit
+def _adams_step(
+    point: Float[Array, " n"], gradient: Float[Array, " n"], memory: optax.OptState
+) -> tuple[Float[Array, " n"], optax.OptState]:
+    # Adam's bias correction mixes a float with a counter, which strict promotion refuses.
+    with jax.numpy_dtype_promotion("standard"):
+        change, memory = _ADAM.update(gradient, memory, point)
+    return optax.apply_updates(point, change), memory
+
+
+@functools.partial(jax.jit, static_argnames="impulses")
+def _laws(
+    designs: Float[Array, "population n"], within: Admissible, *, impulses: int
+) -> tuple[PD, Shaper]:
+    """Controllers at the search's period, and shapers, of flat designs."""
+    _, unflatten = jax.flatten_util.ravel_pytree(middle(impulses))
+
+    def law(flat: Float[Array, " n"]) -> tuple[PD, Shaper]:
+        design = unflatten(flat)
+        return at_period(COARSE_PERIOD, controller_of(within, design)), shaper_of(design)
+
+    return jax.vmap(law)(designs)
