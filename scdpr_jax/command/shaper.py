@@ -138,10 +138,11 @@ def padded(shaper: Shaper, count: int) -> Shaper:
     Returns:
         A shaper of so many impulses.
     """
-    idle = count - shaper.times.size
+    idle = (0, count - shaper.times.size)
+    xp = concrete(shaper.times).__array_namespace__()
     return Shaper(
-        jnp.concatenate([shaper.times, jnp.full(idle, shaper.times[-1])]),
-        jnp.concatenate([shaper.amplitudes, jnp.zeros(idle, dtype=shaper.amplitudes.dtype)]),
+        xp.pad(concrete(shaper.times), idle, mode="edge"),
+        xp.pad(concrete(shaper.amplitudes), idle),
     )
 
 

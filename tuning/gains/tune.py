@@ -181,10 +181,10 @@ def _shapers(
     coarse = at_period(COARSE_PERIOD, controller)
     candidates = [_candidates(cell, optimised, reference) for cell in cells]
     tasks = [_task(robot_in(cell, robot), height=cell.height) for cell in cells]
-    each = jax.tree.map(lambda *leaves: jnp.stack(leaves), *tasks)
-    many = jax.tree.map(lambda leaf: jnp.repeat(leaf, len(candidates[0]), axis=0), each)
+    each = jax.tree.map(lambda *leaves: np.stack(leaves), *tasks)
+    many = jax.tree.map(lambda leaf: np.repeat(leaf, len(candidates[0]), axis=0), each)
     tried = jax.tree.map(
-        lambda *leaves: jnp.stack(leaves), *(shaper for cell in candidates for shaper in cell)
+        lambda *leaves: np.stack(leaves), *(shaper for cell in candidates for shaper in cell)
     )
     total = np.zeros((len(cells), len(candidates[0])))
     for leg in leg_times:
@@ -215,8 +215,9 @@ def _candidates(cell: Cell, optimised: Shaper, reference: Cell) -> list[Shaper]:
 
 
 def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
-    used = np.asarray(shaper.amplitudes) != 0
-    kept = Shaper(shaper.times[used], shaper.amplitudes[used])
+    times, amplitudes = np.asarray(shaper.times), np.asarray(shaper.amplitudes)
+    used = amplitudes != 0
+    kept = Shaper(times[used], amplitudes[used])
 
     damping_ratio = jnp.asarray(cell.damping_ratio)
     nominal = residual_vibration(

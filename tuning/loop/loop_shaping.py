@@ -4,8 +4,10 @@ The open loop is to be $L = e^{j(\varphi_m - \pi)}$ at the crossover. This is on
 equation, linear in the two gains.
 """
 
+import functools
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Complex, Float
 
@@ -47,9 +49,7 @@ def shape_loop(
     """
     crossover, phase_margin = real(crossover), real(phase_margin)
     filter_time = real(filter_time)
-    response = continuous_response(plant, crossover)
-    derivative = continuous_derivative(crossover, filter_time=filter_time)
-    gains = _gains(response, derivative, phase_margin)
+    gains = _continuous_gains(plant, crossover, phase_margin, filter_time)
     return PD(*_feasible(*gains, crossover, phase_margin), period, filter_time)
 
 
@@ -83,11 +83,35 @@ def shape_sampled_loop(
     """
     crossover, phase_margin = real(crossover), real(phase_margin)
     period, filter_time = real(period), real(filter_time)
+    gains = _sampled_gains(plant, crossover, phase_margin, period, delay, filter_time)
+    return PD(*_feasible(*gains, crossover, phase_margin), period, filter_time)
+
+
+@jax.jit
+def _continuous_gains(
+    plant: MotorPlant,
+    crossover: Float[Array, ""],
+    phase_margin: Float[Array, ""],
+    filter_time: Float[Array, ""],
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    response = continuous_response(plant, crossover)
+    derivative = continuous_derivative(crossover, filter_time=filter_time)
+    return _gains(response, derivative, phase_margin)
+
+
+@functools.partial(jax.jit, static_argnames="delay")
+def _sampled_gains(
+    plant: MotorPlant,
+    crossover: Float[Array, ""],
+    phase_margin: Float[Array, ""],
+    period: Float[Array, ""],
+    delay: int,
+    filter_time: Float[Array, ""],
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
     lag = sampled_delay(crossover, period=period, delay=delay)
     response = lag * sampled_response(plant, crossover, period=period)
     derivative = sampled_derivative(crossover, period=period, filter_time=filter_time)
-    gains = _gains(response, derivative, phase_margin)
-    return PD(*_feasible(*gains, crossover, phase_margin), period, filter_time)
+    return _gains(response, derivative, phase_margin)
 
 
 def _gains(
