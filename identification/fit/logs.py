@@ -8,7 +8,6 @@ grid would take ten times as long for the same answer.
 
 import dataclasses
 
-import jax.numpy as jnp
 import numpy as np
 
 from identification.campaign.types import Campaign, Run, Sensors
@@ -109,7 +108,7 @@ class Logs:
             The encoders' readings and the camera's coordinates [1].
         """
         if run in self.motors:
-            return float(jnp.sum(self.motor_records.share[self.motors.index(run)]))
+            return float(np.sum(np.asarray(self.motor_records.share)[self.motors.index(run)]))
         row = self.cabled.index(run)
-        angles = float(jnp.sum(self.rough.angle_share[row]))
-        return angles + float(jnp.sum(self.rough.frame_weight[row] > 0))
+        angles = float(np.sum(np.asarray(self.rough.angle_share)[row]))
+        return angles + float(np.sum(np.asarray(self.rough.frame_weight)[row] > 0))

@@ -40,6 +40,7 @@ def controller_of(within: Admissible, design: Design) -> PD:
     return within.controller(jax.nn.sigmoid(design.loop))
 
 
+@jax.jit
 def shaper_of(design: Design) -> Shaper:
     """The shaper of a design: all its amplitudes are positive, and their sum is 1.
 

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -22,6 +23,7 @@ def damped_period(frequency: Any, damping_ratio: Any) -> Float[Array, ""]:
     return 1 / (real(frequency) * jnp.sqrt(1 - jnp.square(real(damping_ratio))))
 
 
+@jax.jit
 def half_period_decay(damping_ratio: Any) -> Float[Array, ""]:
     r"""What half a period leaves of an amplitude, $K = e^{-\pi\zeta / \sqrt{1 - \zeta^2}}$.
 
