@@ -35,11 +35,9 @@ looked up once for each run of a batch, where numbers are multiplied side by sid
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.state import HEIGHT, LOWER
 
 PAIR = (LOWER, HEIGHT)
@@ -145,8 +143,8 @@ class Branch(NamedTuple):
         first, second, guide = (m * s for m, s in zip(self.line, speeds, strict=True))
         share, moves = contacts.share, 1 - self.origin
         return (
-            once(moves * (lower - share * (first + second) - guide)),
-            once(moves * (height - (1 - share) * (first - second))),
+            moves * (lower - share * (first + second) - guide),
+            moves * (height - (1 - share) * (first - second)),
         )
 
 
@@ -166,7 +164,7 @@ def branch_at_start(velocity: Pair, load: Pair, contacts: Contacts) -> Branch:
     origin = rests[0] * rests[1]
     line = tuple(rest * (1 - origin) for rest in rests)
     resting = Branch(tuple(map(jnp.sign, speeds)), line, origin)
-    return jax.tree.map(once, decided(resting, load, contacts))
+    return decided(resting, load, contacts)
 
 
 def decided(resting: Branch, load: Pair, contacts: Contacts) -> Branch:
@@ -188,8 +186,8 @@ def decided(resting: Branch, load: Pair, contacts: Contacts) -> Branch:
     origin = resting.origin
     pulls = along(LINES, load)
     best, stays = _leaving(pulls, contacts)
-    best = tuple(once(chosen * origin) for chosen in best)
-    stays = once(origin * stays)
+    best = tuple(chosen * origin for chosen in best)
+    stays = origin * stays
 
     towards = jnp.sign(sum(b * pull for b, pull in zip(best, pulls, strict=True)))
     out = _sides_on_line(best, origin * towards)
@@ -200,9 +198,9 @@ def decided(resting: Branch, load: Pair, contacts: Contacts) -> Branch:
         jnp.zeros_like(origin),
     )
     pull = less(load, gone.friction(contacts.limit))
-    held = once(sum(h * pull[0] + k * pull[1] for h, k in gone.holding(contacts)))
+    held = sum(h * pull[0] + k * pull[1] for h, k in gone.holding(contacts))
     most = sum(on * limit for on, limit in zip(line, contacts.limit, strict=True))
-    sticks = once(mark((jnp.abs(held) <= most) & (most > 0), most))
+    sticks = mark((jnp.abs(held) <= most) & (most > 0), most)
     slides = (1 - sticks) * jnp.sign(held)
     return Branch(
         tuple((1 - stays) * (s + slides * on) for s, on in zip(gone.side, line, strict=True)),

@@ -12,7 +12,6 @@ that they are momenta [N s].
 """
 
 import functools
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
@@ -38,7 +37,6 @@ from scdpr_jax.contacts.branches import (
 from scdpr_jax.contacts.motion import Assumed, Motion, beginning, onwards
 from scdpr_jax.contacts.polynomial import Cubic, combination, fall, moment
 from scdpr_jax.contacts.response import Departure, answer, deviating
-from scdpr_jax.numerics.once import once
 
 EVENTS = 5
 """Events of one step that are followed; after them it stays on its branch, or at rest. All
@@ -73,7 +71,7 @@ class Deviation(NamedTuple):
         lacked = (None, None) if unheld is None else unheld
         moments = zip(*self.moments, strict=True)
 
-        def at_rest(velocity: Sequence[Float[Array, ""]]) -> dict[int, Float[Array, ""]]:
+        def at_rest(velocity: Float[Array, "5"]) -> dict[int, Float[Array, ""]]:
             pair = tuple(velocity[i] for i in PAIR)
             return dict(zip(PAIR, self.branch.exactly(pair, mass), strict=True))
 
@@ -112,9 +110,7 @@ def deviation(assumed: Assumed, contacts: Contacts) -> Deviation:
     Returns:
         Moments of the deviation and the branch at the end.
     """
-    velocity = tuple(Cubic(jax.tree.map(once, v), bend) for v, bend in assumed.velocity)
-    assumed = assumed._replace(velocity=velocity)
-    speeds = along(DIRECTIONS, tuple(v.quadratic.constant for v in velocity))
+    speeds = along(DIRECTIONS, tuple(v.quadratic.constant for v in assumed.velocity))
     fresh = tuple(mark(speed == 0, speed) for speed in speeds)
     motion = beginning(assumed, fresh, contacts)
     event = _first_event(motion, contacts)
@@ -184,7 +180,7 @@ def _through(velocity: Cubic, end: Float[Array, ""], left: Float[Array, ""]) -> 
     constant, linear, quadratic = velocity.quadratic
     bends = left > LEAST_TO_BEND
     bent = (end - constant - left * linear) / jnp.square(jnp.where(bends, left, 1.0))
-    quadratic = once(jnp.where(bends, bent, quadratic))
+    quadratic = jnp.where(bends, bent, quadratic)
     return velocity._replace(quadratic=velocity.quadratic._replace(quadratic=quadratic))
 
 
@@ -198,7 +194,7 @@ def _after(
 ) -> Motion:
     """The motion after its first event, the last of the step that is followed or not."""
     was, passed = motion.branch, event.passed
-    begin = once(motion.begin + passed)
+    begin = motion.begin + passed
     happens, on_line = sum(event.mark), sum(was.line)
     gives_way = sum(e * on for e, on in zip(event.mark, was.line, strict=True))
     # Along a line everything stops at once; out of a sector a contact stops alone.
@@ -212,18 +208,18 @@ def _after(
     arrived = tuple(v(passed) for v in motion.velocity)
     velocity = resting.stopped(arrived, contacts)
     load = tuple(
-        once(p(passed) + c * (v - now))
+        p(passed) + c * (v - now)
         for p, c, v, now in zip(motion.load, assumed.damping, arrived, velocity, strict=True)
     )
     # From the origin contacts may give way together: which, the load tells a little later.
     soon = passed + SOON * (1 - begin)
     telling = tuple(
-        once(jnp.where(was.origin != 0, p(soon), now))
+        jnp.where(was.origin != 0, p(soon), now)
         for p, now in zip(motion.load, load, strict=True)
     )
     settles = happens - gives_way != 0
     branch = jax.tree.map(
-        lambda settled, same: once(jnp.where(settles, settled, same)),
+        lambda settled, same: jnp.where(settles, settled, same),
         decided(resting, telling, contacts),
         _given_way(was, event, gives_way),
     )
@@ -267,11 +263,11 @@ def _rests_if_it_turns(
     rests = turned < 0
     for pulled, most in zip(along(LINES, load), contacts.along, strict=True):
         rests = rests & (jnp.abs(pulled) <= most)
-    moves = once(mark(~rests, branch.origin))
+    moves = mark(~rests, branch.origin)
     return Branch(
-        tuple(once(moves * side) for side in branch.side),
-        tuple(once(moves * on) for on in branch.line),
-        once(jnp.maximum(branch.origin, 1 - moves)),
+        tuple(moves * side for side in branch.side),
+        tuple(moves * on for on in branch.line),
+        jnp.maximum(branch.origin, 1 - moves),
     )
 
 
@@ -292,22 +288,22 @@ def _first_event(motion: Motion, contacts: Contacts) -> _Event:
             *zip(direction, (v.quadratic for v in motion.velocity), strict=True)
         )
         hold = combination(*zip(way, motion.pull, strict=True))
-        pulled = once(jnp.sign(hold(left)))
+        pulled = jnp.sign(hold(left))
         reserve = combination((side, speed), (-pulled, hold))
         slack = side * speed.constant * (1 - motion.fresh[i])
         reserve = reserve._replace(constant=slack + held * limit - pulled * hold.constant)
         bend = side * weighted(direction, tuple(v.bend for v in motion.velocity))
         set_going = (held == 0) & (motion.fresh[i] != 0)
         time, _ = fall(Cubic(reserve, bend), left=left, set_going=set_going)
-        times.append(once(time))
+        times.append(time)
         towards.append(pulled)
     one, two, three = times
     first = (one < left) & (one <= two) & (one <= three)
     second = (two < left) & (two <= three) & ~first
     third = (three < left) & ~first & ~second
-    passed = once(jnp.where(first, one, jnp.where(second, two, three)))
+    passed = jnp.where(first, one, jnp.where(second, two, three))
     return _Event(
         passed,
-        tuple(once(mark(which, passed)) for which in (first, second, third)),
+        tuple(mark(which, passed) for which in (first, second, third)),
         tuple(towards),
     )

@@ -10,7 +10,7 @@ what that lacks is put back by its moments. To solve for the held robot exactly 
 transition matrix for each of the contacts' branches.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -19,35 +19,31 @@ from scdpr_jax.contacts import branches, events, single
 from scdpr_jax.contacts.branches import PAIR, Pair, act, less
 from scdpr_jax.contacts.motion import Assumed
 from scdpr_jax.contacts.polynomial import Quadratic, cubic_between
-from scdpr_jax.contacts.response import Departure, Moving, Response, Scalars
-from scdpr_jax.numerics.once import once
-from scdpr_jax.robot.state import HEIGHT, LOWER
+from scdpr_jax.contacts.response import Departure, Response
+from scdpr_jax.robot.state import HEIGHT, LOWER, State, with_coordinates
 
 
-class Tables(NamedTuple):
-    """A propagator's tables as scalars, unpacked once: batched, each is an array of its own."""
+class Tables(Protocol):
+    """What contacts need of `scdpr_jax.engines.propagator.Propagator`."""
 
     duration: Float[Array, ""]
-    transition: tuple[Scalars, ...]
-    responses: tuple[tuple[Scalars, ...], ...]
-    pull: tuple[Scalars, ...]
-    coupling: tuple[Scalars, ...]
-    mass: Scalars
-    damped: Scalars
-    limit: Scalars
-    height: tuple[Scalars, ...]
-    drives: Scalars | None
+    pull: Float[Array, "2 4"]
+    coupling: Float[Array, "2 4"]
+    mass: Float[Array, "3"]
+    damped: Float[Array, "3"]
+    limit: Float[Array, "2"]
+    drives: Float[Array, "2"] | None
 
 
 class Start(NamedTuple):
     """A step's beginning and what is held through it."""
 
     tables: Tables
-    state: Moving
+    state: State
     pushes: dict[int, Float[Array, ""]]
     """What drives and weight do to the coordinates with friction in the step [m/s]."""
 
-    def load(self, i: int, at: Moving) -> Float[Array, ""]:
+    def load(self, i: int, at: State) -> Float[Array, ""]:
         """What acts on a coordinate in the step but damping and dry friction [m/s]."""
         return self._pulled(i, at.position) + self.pushes[i]
 
@@ -57,17 +53,15 @@ class Start(NamedTuple):
 
     def response(self, i: int) -> Response:
         """How the robot answers a coordinate with friction."""
-        if i == HEIGHT:
-            couplings = {i: jnp.zeros_like(self.tables.duration)}
-        else:
-            couplings = dict(enumerate(self.tables.coupling[i - LOWER]))
-        return Response(self.tables.damped[i - LOWER], couplings)
+        none = jnp.zeros_like(self.state.position)
+        # The height is tied to nothing near an aligned pose.
+        tied = none if i == HEIGHT else jnp.append(self.tables.coupling[i - LOWER], none[0])
+        return Response(self.tables.damped[i - LOWER], tied)
 
-    def _pulled(self, i: int, along: Scalars) -> Float[Array, ""]:
+    def _pulled(self, i: int, along: Float[Array, "5"]) -> Float[Array, ""]:
         if i == HEIGHT:
             return jnp.zeros_like(along[i])
-        row = self.tables.pull[i - LOWER]
-        return sum(row[j] * along[j] for j in range(4))
+        return self.tables.pull[i - LOWER] @ along[:HEIGHT]
 
 
 class AssumedFriction(NamedTuple):
@@ -98,20 +92,22 @@ class Carriage(NamedTuple):
         steady = jnp.where(rests, self.load, self.branch * self.limit)
         return {self.i: AssumedFriction(steady, jnp.where(rests, self.slope, 0.0))}
 
-    def held(self, end: Moving) -> Moving:
+    def held(self, end: State) -> State:
         """The assumed end with what the branch holds put back."""
-        q, v = list(end.position), list(end.velocity)
-        rests = self.branch == 0
-        q[self.i] = jnp.where(rests, self.start.state.position[self.i], q[self.i])
-        v[self.i] = jnp.where(rests, 0.0, v[self.i])
-        return Moving(tuple(q), tuple(v))
+        rests, before = self.branch == 0, self.start.state.position[self.i]
+        position = jnp.where(rests, before, end.position[self.i])
+        velocity = jnp.where(rests, 0.0, end.velocity[self.i])
+        return State(
+            with_coordinates(end.position, {self.i: position}),
+            with_coordinates(end.velocity, {self.i: velocity}),
+        )
 
-    def departure(self, end: Moving) -> Departure:
+    def departure(self, end: State) -> Departure:
         """Where it leaves its branch, by its motion and load as polynomials."""
         i, speed, arriving = self.i, self.start.state.velocity[self.i], end.velocity[self.i]
         rests, friction = self.branch == 0, self.branch * self.limit
         last = self.start.load(i, end)
-        curve = once(last - self.load - self.slope)
+        curve = last - self.load - self.slope
         deviation = single.deviation(
             single.Assumed(
                 branch=self.branch,
@@ -123,7 +119,7 @@ class Carriage(NamedTuple):
                 ),
                 load=Quadratic(self.load, self.slope, curve),
                 limit=self.limit,
-                stiffness=-self.start.response(i).couplings[i],
+                stiffness=-self.start.response(i).coupling[i],
             )
         )
         return deviation.departure(i, jnp.where(rests, curve, 0.0))
@@ -171,26 +167,25 @@ class Pulleys(NamedTuple):
             for n, (i, m) in enumerate(zip(PAIR, self.contacts.mass, strict=True))
         }
 
-    def held(self, end: Moving) -> Moving:
+    def held(self, end: State) -> State:
         """The assumed end with what the branch holds put back."""
-        q, v = list(end.position), list(end.velocity)
-        before = self.start.state.position
-        moved = self.branch.exactly(tuple(q[i] - before[i] for i in PAIR), self.contacts.mass)
-        speeds = self.branch.exactly(_speeds(end), self.contacts.mass)
-        for i, way, speed in zip(PAIR, moved, speeds, strict=True):
-            q[i], v[i] = before[i] + way, speed
-        return Moving(tuple(q), tuple(v))
+        before, mass = self.start.state.position, self.contacts.mass
+        moved = self.branch.exactly(tuple(end.position[i] - before[i] for i in PAIR), mass)
+        speeds = self.branch.exactly(_speeds(end), mass)
+        places = (before[i] + way for i, way in zip(PAIR, moved, strict=True))
+        return State(
+            with_coordinates(end.position, dict(zip(PAIR, places, strict=True))),
+            with_coordinates(end.velocity, dict(zip(PAIR, speeds, strict=True))),
+        )
 
-    def departure(self, end: Moving) -> Departure:
+    def departure(self, end: State) -> Departure:
         """Where they leave their branch, by their motion and load as polynomials."""
         mass, speeds, arriving = self.contacts.mass, _speeds(self.start.state), _speeds(end)
         last = tuple(m * self.start.load(i, end) for i, m in zip(PAIR, mass, strict=True))
         end_gain = _gain(
             self.branch, self.mobility, _damped(last, self.damping, arriving), self.contacts
         )
-        curve = tuple(
-            once(b - a - s) for a, b, s in zip(self.load, last, self.slope, strict=True)
-        )
+        curve = tuple(b - a - s for a, b, s in zip(self.load, last, self.slope, strict=True))
         deviation = events.deviation(
             Assumed(
                 branch=self.branch,
@@ -201,7 +196,7 @@ class Pulleys(NamedTuple):
                 ),
                 load=tuple(map(Quadratic, self.load, self.slope, curve)),
                 damping=self.damping,
-                stiffness=-mass[0] * self.start.response(LOWER).couplings[LOWER],
+                stiffness=-mass[0] * self.start.response(LOWER).coupling[LOWER],
             ),
             self.contacts,
         )
@@ -227,11 +222,11 @@ def pulleys(start: Start) -> Pulleys:
     force = _damped(load, damping, speeds)
     branch = branches.branch_at_start(speeds, force, contacts)
     mobility = branch.mobility(mass)
-    gain = tuple(map(once, _gain(branch, mobility, force, contacts)))
+    gain = _gain(branch, mobility, force, contacts)
     return Pulleys(start, contacts, damping, branch, mobility, load, slope, gain)
 
 
-def _speeds(at: Moving) -> Pair:
+def _speeds(at: State) -> Pair:
     return tuple(at.velocity[i] for i in PAIR)
 
 

@@ -12,13 +12,11 @@ that they are momenta [N s].
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.contacts.branches import Branch, Contacts, Pair, Three, act, less
 from scdpr_jax.contacts.polynomial import Cubic, Quadratic, combination
-from scdpr_jax.numerics.once import once
 
 Quadratics = tuple[Quadratic, Quadratic]
 """Of the lower carriage and of the height, in the step's time."""
@@ -107,7 +105,7 @@ def beginning(assumed: Assumed, fresh: Three, contacts: Contacts) -> Motion:
         The motion.
     """
     load = tuple(
-        jax.tree.map(once, combination((1, p), (-c, v.quadratic)))
+        combination((1, p), (-c, v.quadratic))
         for p, c, v in zip(assumed.load, assumed.damping, assumed.velocity, strict=True)
     )
     return motion_on(
@@ -146,7 +144,7 @@ def onwards(
         The motion.
     """
     mobility = branch.mobility(contacts.mass)
-    gain = tuple(map(once, act(mobility, less(load, branch.friction(contacts.limit)))))
+    gain = act(mobility, less(load, branch.friction(contacts.limit)))
     lower, height = (
         p.later(begin).linear - c * a
         for p, c, a in zip(assumed.load, assumed.damping, gain, strict=True)
@@ -155,9 +153,9 @@ def onwards(
     led = assumed.velocity[0].quadratic.later(begin)
     strayed = assumed.stiffness * (velocity[0] - led.constant)
     straying = assumed.stiffness * (gain[0] - led.linear)
-    linear = (once(lower - strayed), once(height))
+    linear = (lower - strayed, height)
     quadratic = (assumed.load[0].quadratic - straying / 2, assumed.load[1].quadratic)
-    bending = tuple(map(once, act(mobility, linear)))
+    bending = act(mobility, linear)
     straight = jnp.zeros_like(begin)
     return motion_on(
         branch,

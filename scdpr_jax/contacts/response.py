@@ -7,36 +7,29 @@ needed: a step needs no second pass. Stepping anew from event to event would be 
 costs a Runge-Kutta step for every event, and in a batch every run would pay for each.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from scdpr_jax.numerics.once import once
+from scdpr_jax.robot.state import State, with_coordinates
 
-Scalars = tuple[Float[Array, ""], ...]
-"""A scalar for each of some coordinates."""
-
-
-class Moving(NamedTuple):
-    r"""A state as scalars: $[x_e, \delta_e, q_3, q_4, y_e]$ and its derivative."""
-
-    position: Scalars
-    velocity: Scalars
+Moments = tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""], Float[Array, ""]]
+r"""$E_0$ to $E_3$ of what a friction deviates by [m/s]."""
 
 
 class Deviation(NamedTuple):
     """What the true friction does to a coordinate beyond the assumed one."""
 
-    moments: Scalars
+    moments: Moments
     r"""$E_k = \int_0^1 (1-\theta)^k d(\theta)\,d\theta$, d the difference, up to E_3 [m/s]."""
     pulls: tuple[Float[Array, ""], Float[Array, ""]]
     """E_2 and E_3 with what the assumed friction lacked while it held the coordinate: that
     moves whatever the cables tie to it, and not the coordinate itself [m/s]."""
 
 
-def deviating(moments: Scalars, unheld: Float[Array, ""] | None = None) -> Deviation:
+def deviating(moments: Moments, unheld: Float[Array, ""] | None = None) -> Deviation:
     """The deviation with these moments.
 
     Args:
@@ -51,7 +44,7 @@ def deviating(moments: Scalars, unheld: Float[Array, ""] | None = None) -> Devia
     if unheld is None:
         return Deviation(moments, (second, third))
     # The moments of the square term are 2 k!/(k+3)!.
-    return Deviation(moments, (once(second - unheld / 30), once(third - unheld / 60)))
+    return Deviation(moments, (second - unheld / 30, third - unheld / 60))
 
 
 class Response(NamedTuple):
@@ -59,22 +52,22 @@ class Response(NamedTuple):
 
     damped: Float[Array, ""]
     """The coordinate's damping over its mass, times the step's length, $ch$ [1]."""
-    couplings: dict[int, Float[Array, ""]]
-    r"""Acceleration of each coordinate that the cables tie to it, per displacement of it, times
-    the step's length squared, $\kappa$ [1 for a displacement]; its own is among them."""
+    coupling: Float[Array, "5"]
+    r"""Acceleration of each coordinate per displacement of this one, times the step's length
+    squared, $\kappa$ [1 for a displacement]; its own is among them."""
 
 
 class Departure(NamedTuple):
     """How contacts leave the branches that they begin a step on."""
 
-    deviations: dict[int, Deviation]
+    deviations: Mapping[int, Deviation]
     """By the coordinate that feels them."""
-    at_rest: Callable[[Sequence[Float[Array, ""]]], dict[int, Float[Array, ""]]]
+    at_rest: Callable[[Float[Array, "5"]], Mapping[int, Float[Array, ""]]]
     """From velocities at the end to those by which what sticks is at rest to the bit."""
 
 
 def answer(
-    moments: Scalars, damped: Float[Array, ""], coupling: Float[Array, ""] | float
+    moments: Moments, damped: Float[Array, ""], coupling: Float[Array, ""] | float
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
     r"""How a coordinate answers a deviation of its own friction [m/s].
 
@@ -99,12 +92,12 @@ def answer(
 
 
 def departed(
-    end: Moving,
+    end: State,
     departures: Sequence[Departure],
     *,
     duration: Float[Array, ""],
-    responses: dict[int, Response],
-) -> Moving:
+    responses: Mapping[int, Response],
+) -> State:
     r"""The end of a step under the true friction.
 
     What is tied to a coordinate by the cables feels of its deviation
@@ -122,17 +115,13 @@ def departed(
     Returns:
         The true end.
     """
-    position, velocity = list(end.position), list(end.velocity)
+    position, velocity = end.position, end.velocity
     for i, deviation in (pair for each in departures for pair in each.deviations.items()):
+        damped, coupling = responses[i]
         second, third = deviation.pulls
-        for j, coupling in responses[i].couplings.items():
-            if j == i:
-                moved, sped = answer(deviation.moments, responses[i].damped, coupling)
-            else:
-                moved, sped = coupling * third / 6, coupling * second / 2
-            position[j] += duration * moved
-            velocity[j] += sped
+        moved, sped = answer(deviation.moments, damped, coupling[i])
+        position += duration * with_coordinates(coupling * third / 6, {i: moved})
+        velocity += with_coordinates(coupling * second / 2, {i: sped})
     for departure in departures:
-        for i, speed in departure.at_rest(velocity).items():
-            velocity[i] = speed
-    return Moving(tuple(position), tuple(velocity))
+        velocity = with_coordinates(velocity, departure.at_rest(velocity))
+    return State(position, velocity)

@@ -11,16 +11,13 @@ Time runs from 0 to 1 through the step, and accelerations are multiplied by the 
 length, so that everything here is a velocity [m/s].
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from scdpr_jax.contacts.polynomial import Cubic, Quadratic, fall, falling_zero, moment
-from scdpr_jax.contacts.response import Departure, Scalars, deviating
-from scdpr_jax.numerics.once import once
+from scdpr_jax.contacts.response import Departure, Moments, deviating
 
 
 class Assumed(NamedTuple):
@@ -42,7 +39,7 @@ class Assumed(NamedTuple):
 class Deviation(NamedTuple):
     """What the true friction does to the carriage beyond the assumed one."""
 
-    moments: Scalars
+    moments: Moments
     r"""$E_k = \int_0^1 (1-\theta)^k d(\theta)\,d\theta$, d the difference, up to E_3 [m/s]."""
     sticks: Bool[Array, ""]
     """Whether the carriage stands still at the end of the step."""
@@ -58,7 +55,7 @@ class Deviation(NamedTuple):
             Its deviation and, where it sticks, its rest.
         """
 
-        def at_rest(velocity: Sequence[Float[Array, ""]]) -> dict[int, Float[Array, ""]]:
+        def at_rest(velocity: Float[Array, "5"]) -> dict[int, Float[Array, ""]]:
             return {i: jnp.where(self.sticks, 0.0, velocity[i])}
 
         return Departure({i: deviating(self.moments, unheld)}, at_rest)
@@ -94,13 +91,10 @@ def deviation(assumed: Assumed) -> Deviation:
     Returns:
         Moments of the deviation and whether the carriage sticks in the end.
     """
-    quadratic, bend = assumed.velocity
-    assumed = assumed._replace(velocity=Cubic(jax.tree.map(once, quadratic), bend))
     branch, limit = assumed.branch, assumed.limit
     slides = branch != 0
     stop, stops = _stop(assumed)
-    stop = once(stop)
-    load = jax.tree.map(once, _load_when_stopped(assumed, stop, stops))
+    load = _load_when_stopped(assumed, stop, stops)
 
     friction = branch * limit
     # Where the load falls below the limit so soon that it would be back in this step, it is
@@ -108,7 +102,7 @@ def deviation(assumed: Assumed) -> Deviation:
     back = moment(0, 1 - stop, load._replace(constant=load.constant + friction).later(stop))
     reverses = stops & (-branch * load(stop) > limit) & (branch * back < 0)
     holds = (stops & ~reverses) | ~slides
-    release = once(_release(load, limit, stop, holds))
+    release = _release(load, limit, stop, holds)
 
     # Assumed minus true friction from the stop on, and what the release adds to that. What
     # doesn't happen has its instant at the step's end, where its moments are zero.
@@ -120,10 +114,10 @@ def deviation(assumed: Assumed) -> Deviation:
     )
     released = load._replace(constant=load.constant - jnp.sign(load(1.0)) * limit)
     changes = [
-        (1 - instant, jax.tree.map(once, change.later(instant)))
+        (1 - instant, change.later(instant))
         for instant, change in ((stop, stopped), (release, released))
     ]
-    moments = tuple(once(sum(moment(k, *change) for change in changes)) for k in range(4))
+    moments = tuple(sum(moment(k, *change) for change in changes) for k in range(4))
     return Deviation(moments, holds & (release == 1))
 
 

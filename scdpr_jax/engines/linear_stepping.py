@@ -9,10 +9,9 @@ the fourth power of the step (3.9 measured, see `docs/validity.md`).
 
 Why so: the nonlinear engine's stages would give the same at four times the work, and a solver
 that stops at every event can't be batched, as its runs have different numbers of steps.
-
-Everything in a step is a scalar: batched by `jax.vmap` these are arrays with the runs side by
-side, which a processor works through two to four times as fast as stacked small matrices.
 """
+
+from collections.abc import Mapping
 
 import equinox as eqx
 import jax
@@ -20,11 +19,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax import native
-from scdpr_jax.contacts.linear import AssumedFriction, Start, Tables, carriage, pulleys
-from scdpr_jax.contacts.response import Moving, Scalars, departed
+from scdpr_jax.contacts.linear import AssumedFriction, Start, carriage, pulleys
+from scdpr_jax.contacts.response import departed
 from scdpr_jax.engines.propagator import Propagator, propagator
 from scdpr_jax.engines.stepping import with_start
-from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import drive_forces, masses
 from scdpr_jax.robot.parameters import Robot
@@ -85,13 +83,10 @@ class _Interval(eqx.Module):
     """Steps in the interval."""
 
 
-def _advance(interval: _Interval, state: State, held: Scalars) -> tuple[State, State]:
-    tables = _unpacked(interval.tables)
-    first = (*state.position, *state.velocity)
-    last = jax.lax.fori_loop(
-        0, interval.substeps, lambda _, now: _step(tables, now, held), first
+def _advance(interval: _Interval, state: State, push: Float[Array, "3"]) -> tuple[State, State]:
+    following = jax.lax.fori_loop(
+        0, interval.substeps, lambda _, now: _step(interval.tables, now, push), state
     )
-    following = State(jnp.stack(last[:5]), jnp.stack(last[5:]))
     return following, following
 
 
@@ -115,44 +110,33 @@ def linear_step(
     Returns:
         State at the end; what sticks has a velocity, or a pulley's rate, of exactly zero.
     """
-    inputs = tuple(push[0] for push in _accelerations(robot, voltage[None], knock[None]))
-    return _packed(_step(_unpacked(tables), (*state.position, *state.velocity), inputs))
-
-
-def _packed(state: tuple[Float[Array, " *samples"], ...]) -> State:
-    """Coordinates and velocities, one after the other, as a state."""
-    return State(jnp.stack(state[:5], axis=-1), jnp.stack(state[5:], axis=-1))
+    (push,) = _accelerations(robot, voltage[None], knock[None])
+    return _step(tables, state, push)
 
 
 def _accelerations(
     robot: Robot, voltage: Float[Array, "n 2"], knock: Float[Array, " n"] | None
-) -> tuple[Float[Array, " n"], ...]:
+) -> Float[Array, "n 3"]:
     """What the inputs do to the lower carriage, the end-effector and the height [m/s²]."""
     mass = masses(robot)
     torque = motor_torque(robot.drive, voltage)
     forces = jax.vmap(drive_forces, in_axes=(None, 0))(robot, torque)
     knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
     weight = robot.gravity * robot.end_effector.mass
-    return (
-        forces[:, LOWER] / mass[LOWER],
-        knock / mass[X],
-        (forces[:, HEIGHT] - weight) / mass[HEIGHT],
+    return jnp.stack(
+        [
+            forces[:, LOWER] / mass[LOWER],
+            knock / mass[X],
+            (forces[:, HEIGHT] - weight) / mass[HEIGHT],
+        ],
+        axis=1,
     )
 
 
-def _unpacked(tables: Propagator) -> Tables:
-    def scalars(array: Array | None) -> Array | tuple | None:
-        if array is None or not array.ndim:
-            return array
-        return tuple(scalars(row) for row in array)
-
-    return Tables(*(scalars(getattr(tables, name)) for name in Tables._fields))
-
-
-def _step(tables: Tables, state: Scalars, inputs: Scalars) -> Scalars:
-    drive, knock, lift = (tables.duration * acceleration for acceleration in inputs)
+def _step(tables: Propagator, state: State, push: Float[Array, "3"]) -> State:
+    drive, knock, lift = tables.duration * push
     pushes = {LOWER: drive, UPPER: jnp.zeros_like(drive), HEIGHT: lift}
-    start = Start(tables, Moving(state[:5], state[5:]), pushes)
+    start = Start(tables, state, pushes)
     lower = carriage(start, LOWER) if tables.drives is None else pulleys(start)
     contacts = (lower, carriage(start, UPPER))
 
@@ -160,39 +144,33 @@ def _step(tables: Tables, state: Scalars, inputs: Scalars) -> Scalars:
     end = _assumed_end(start, frictions, knock=knock)
     for contact in contacts:
         end = contact.held(end)
-    end = jax.tree.map(once, end)
-    position, velocity = departed(
+    return departed(
         end,
         [contact.departure(end) for contact in contacts],
         duration=tables.duration,
         responses={i: start.response(i) for i in frictions},
     )
-    return (*position, *velocity)
 
 
 def _assumed_end(
-    start: Start, frictions: dict[int, AssumedFriction], *, knock: Float[Array, ""]
-) -> Moving:
-    """The step's end on the assumed branches, but for what they hold."""
-    tables, (q, v), pushes = start
-    steady = {i: once(pushes[i] - friction.constant) for i, friction in frictions.items()}
-    rising = {i: once(-friction.rising) for i, friction in frictions.items()}
+    start: Start, frictions: Mapping[int, AssumedFriction], *, knock: Float[Array, ""]
+) -> State:
+    r"""The step's end on the assumed branches, but for what they hold.
+
+    $$ x_f = \Phi x + \varphi_1(hA)\, b\, (u - f) - \varphi_2(hA)\, b\, \dot f $$
+    """
+    tables, (q, v) = start.tables, (start.state.position, start.state.velocity)
+    none = jnp.zeros_like(knock)
+    steady = {
+        i: push - frictions[i].constant if i in frictions else push
+        for i, push in start.pushes.items()
+    }
+    rising = {i: -frictions[i].rising if i in frictions else none for i in start.pushes}
     constant, growing = tables.responses
-    plane = (*q[:4], *v[:4])
-    end = [
-        sum(tables.transition[k][j] * plane[j] for j in range(8))
-        + sum(
-            constant[k][i - LOWER] * steady[i] + growing[k][i - LOWER] * rising[i]
-            for i in (LOWER, UPPER)
-        )
-        + constant[k][2] * knock
-        for k in range(8)
-    ]
-    vertical = (v[HEIGHT], steady.get(HEIGHT, pushes[HEIGHT]), rising.get(HEIGHT))
-    y, up = (
-        sum(
-            part * given for part, given in zip(row, vertical, strict=True) if given is not None
-        )
-        for row in tables.height
+    plane = (
+        tables.transition @ jnp.concatenate([q[:HEIGHT], v[:HEIGHT]])
+        + constant @ jnp.stack([steady[LOWER], steady[UPPER], knock])
+        + growing @ jnp.stack([rising[LOWER], rising[UPPER], none])
     )
-    return Moving((*end[:4], q[HEIGHT] + y), (*end[4:], up))
+    lift, up = tables.height @ jnp.stack([v[HEIGHT], steady[HEIGHT], rising[HEIGHT]])
+    return State(jnp.append(plane[:HEIGHT], q[HEIGHT] + lift), jnp.append(plane[HEIGHT:], up))

@@ -32,15 +32,14 @@ from scdpr_jax.contacts import branches, events, single
 from scdpr_jax.contacts.branches import PAIR, Pair, Three, act, less
 from scdpr_jax.contacts.motion import Assumed
 from scdpr_jax.contacts.polynomial import Cubic, Quadratic, cubic_between
-from scdpr_jax.contacts.response import Moving, Response, Scalars, departed
-from scdpr_jax.numerics.once import once
+from scdpr_jax.contacts.response import Response, departed
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import dampings, masses, smooth_forces
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
-from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State
+from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, with_coordinates
 
 _Run = TypeVar("_Run")
 
@@ -137,37 +136,31 @@ def step(robot: Robot, state: State, inputs: Inputs) -> State:
     Raises:
         TypeError: If a carriage has another friction law.
     """
-    start = Moving(*(tuple(jnp.unstack(part)) for part in (state.position, state.velocity)))
-    stages = _runge_kutta(robot, start, inputs)
+    stages = _runge_kutta(robot, state, inputs)
     responses = _responses(robot, state, inputs)
-    mass = tuple(jnp.unstack(masses(robot)))
+    mass = masses(robot)
     contacts = branches.Contacts(
         tuple(mass[i] for i in PAIR),
         tuple(inputs.duration * limit for limit in stages.middle.limit.pair),
     )
     upper = single.deviation(_upper_motion(inputs, stages, responses[UPPER]))
     pair = events.deviation(_pair_motion(inputs, stages, responses, mass), contacts)
-    end = departed(
+    return departed(
         stages.end,
         (upper.departure(UPPER), pair.departure(contacts.mass)),
         duration=inputs.duration,
         responses=responses,
     )
-    return State(jnp.stack(end.position), jnp.stack(end.velocity))
 
 
 def _responses(robot: Robot, state: State, inputs: Inputs) -> dict[int, Response]:
     """How the robot answers coordinates with friction, at frozen coefficients."""
-    h, mass = inputs.duration, jnp.unstack(masses(robot))
-    damping = jnp.unstack(dampings(robot))
-    rows = jnp.unstack(carriage_stiffness(robot, state.position))
-    couplings = {
-        i: {k: -jnp.square(h) * part / mass[k] for k, part in enumerate(jnp.unstack(row))}
-        for i, row in zip((LOWER, UPPER), rows, strict=True)
-    }
+    h, mass = inputs.duration, masses(robot)
+    damped = h * dampings(robot) / mass
+    lower, upper = -jnp.square(h) * carriage_stiffness(robot, state.position) / mass[None]
     # The height's stiffness is of second order in the inclinations.
-    couplings[HEIGHT] = {HEIGHT: jnp.zeros_like(mass[HEIGHT])}
-    return {i: Response(h * damping[i] / mass[i], tied) for i, tied in couplings.items()}
+    couplings = {LOWER: lower, UPPER: upper, HEIGHT: jnp.zeros_like(mass)}
+    return {i: Response(damped[i], coupling) for i, coupling in couplings.items()}
 
 
 _STAGES = (
@@ -196,11 +189,11 @@ class _Limits(NamedTuple):
 class _Stage(NamedTuple):
     """A stage of a Runge-Kutta step, with what acts over the masses [m/s², rad/s²]."""
 
-    at: Moving
-    load: Scalars
+    at: State
+    load: Float[Array, "5"]
     """All but dry friction."""
     limit: _Limits
-    slope: Scalars
+    slope: Float[Array, "5"]
     """Acceleration on the branches."""
 
 
@@ -216,7 +209,7 @@ class _Stages(NamedTuple):
     beginning: _Stage
     middle: _Stage
     last: _Stage
-    end: Moving
+    end: State
 
     @property
     def three(self) -> tuple[_Stage, _Stage, _Stage]:
@@ -224,25 +217,21 @@ class _Stages(NamedTuple):
         return self.beginning, self.middle, self.last
 
 
-def _runge_kutta(robot: Robot, start: Moving, inputs: Inputs) -> _Stages:
-    mass = jnp.unstack(masses(robot))
+def _runge_kutta(robot: Robot, start: State, inputs: Inputs) -> _Stages:
+    mass = masses(robot)
     pair_mass = tuple(mass[i] for i in PAIR)
     torque = motor_torque(robot.drive, inputs.voltage)
     lower, upper = exact_laws(robot)
-    drives = tuple(jnp.unstack(robot.drive.frictions / robot.drive.effective_radius))
+    drives = robot.drive.frictions / robot.drive.effective_radius
 
-    def balance(at: Moving) -> tuple[Scalars, _Limits]:
-        loop = loop_forces(robot, jnp.stack(at.position))
-        force = smooth_forces(
-            robot, loop, jnp.stack(at.velocity), torque=torque, knock=inputs.knock
-        )
-        load = tuple(once(f / m) for f, m in zip(jnp.unstack(force), mass, strict=True))
-        on_lower, on_upper = jnp.unstack(loop.normal)
-        guide = once(lower.sliding(at.velocity[PAIR[0]]) * on_lower)
-        alone = once(upper.sliding(at.velocity[UPPER]) * on_upper / mass[UPPER])
-        return load, _Limits(alone, (*drives, guide))
+    def balance(at: State) -> tuple[Float[Array, "5"], _Limits]:
+        loop = loop_forces(robot, at.position)
+        force = smooth_forces(robot, loop, at.velocity, torque=torque, knock=inputs.knock)
+        guide = lower.sliding(at.velocity[LOWER]) * loop.normal[0]
+        alone = upper.sliding(at.velocity[UPPER]) * loop.normal[1] / mass[UPPER]
+        return force / mass, _Limits(alone, (*drives, guide))
 
-    def on_pair(load: Scalars) -> Pair:
+    def on_pair(load: Float[Array, "5"]) -> Pair:
         return tuple(load[i] * mass[i] for i in PAIR)
 
     load, limit = balance(start)
@@ -254,22 +243,17 @@ def _runge_kutta(robot: Robot, start: Moving, inputs: Inputs) -> _Stages:
     )
     mobility = pair.mobility(pair_mass)
 
-    def stage(at: Moving, load: Scalars, limit: _Limits) -> _Stage:
+    def stage(at: State, load: Float[Array, "5"], limit: _Limits) -> _Stage:
         free = jnp.where(branch == 0, 0.0, load[UPPER] - branch * limit.upper)
         along, up = act(mobility, less(on_pair(load), pair.friction(limit.pair)))
-        return _Stage(at, load, limit, (*load[:2], along, free, up))
+        slope = with_coordinates(load, {LOWER: along, UPPER: free, HEIGHT: up})
+        return _Stage(at, load, limit, slope)
 
-    def ahead(weights: tuple[float, ...]) -> Moving:
+    def ahead(weights: tuple[float, ...]) -> State:
         parts = [(inputs.duration * w, s) for w, s in zip(weights, stages, strict=True) if w]
-        return Moving(
-            tuple(
-                once(q + sum(w * s.at.velocity[i] for w, s in parts))
-                for i, q in enumerate(start.position)
-            ),
-            tuple(
-                once(v + sum(w * s.slope[i] for w, s in parts))
-                for i, v in enumerate(start.velocity)
-            ),
+        return State(
+            start.position + sum(w * s.at.velocity for w, s in parts),
+            start.velocity + sum(w * s.slope for w, s in parts),
         )
 
     stages = [stage(start, load, limit)]
@@ -307,12 +291,12 @@ def _upper_motion(inputs: Inputs, stages: _Stages, response: Response) -> single
         velocity=_assumed_velocity(h, stages, UPPER),
         load=_held_load(h, stages, UPPER, response.damped),
         limit=h * stages.middle.limit.upper,
-        stiffness=-response.couplings[UPPER],
+        stiffness=-response.coupling[UPPER],
     )
 
 
 def _pair_motion(
-    inputs: Inputs, stages: _Stages, responses: dict[int, Response], mass: Scalars
+    inputs: Inputs, stages: _Stages, responses: dict[int, Response], mass: Float[Array, "5"]
 ) -> Assumed:
     """The assumed motion of the lower carriage and the height, likewise."""
     h = inputs.duration
@@ -326,7 +310,7 @@ def _pair_motion(
             for i, load in zip(PAIR, loads, strict=True)
         ),
         damping=tuple(mass[i] * responses[i].damped for i in PAIR),
-        stiffness=-mass[LOWER] * responses[LOWER].couplings[LOWER],
+        stiffness=-mass[LOWER] * responses[LOWER].coupling[LOWER],
     )
 
 

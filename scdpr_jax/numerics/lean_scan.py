@@ -10,6 +10,9 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import jax
+import jax.numpy as jnp
+
+from scdpr_jax.numerics.once import computed_once
 
 Carry = TypeVar("Carry")
 Inputs = TypeVar("Inputs")
@@ -33,4 +36,12 @@ def lean_scan(
     Returns:
         What the last step carries on, and the outputs along the first axis.
     """
-    return jax.lax.scan(jax.checkpoint(step, prevent_cse=False), start, inputs)
+    start, inputs = jax.tree.map(jnp.asarray, (start, inputs))
+    row = jax.tree.map(lambda own: _like(own, own.shape[1:]), inputs)
+    shared = computed_once(step, jax.tree.map(_like, start), row)
+    return jax.lax.scan(jax.checkpoint(shared, prevent_cse=False), start, inputs)
+
+
+def _like(own: jax.Array, shape: tuple[int, ...] | None = None) -> jax.ShapeDtypeStruct:
+    shape = own.shape if shape is None else shape
+    return jax.ShapeDtypeStruct(shape, own.dtype, weak_type=own.weak_type)

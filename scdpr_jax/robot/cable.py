@@ -10,7 +10,6 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from scdpr_jax.numerics.once import once
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import HEIGHT, TILT
 
@@ -77,7 +76,7 @@ def paths(robot: Robot, position: Float[Array, "5"]) -> Paths:
 
 def _direction(angle: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Sine and cosine of an angle, which are dear enough to be computed once only."""
-    return once(jnp.sin(angle)), once(jnp.cos(angle))
+    return jnp.sin(angle), jnp.cos(angle)
 
 
 def potential(robot: Robot, position: Float[Array, "5"]) -> Float[Array, ""]:

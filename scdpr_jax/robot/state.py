@@ -5,6 +5,8 @@ the lower carriage and the height: five coordinates are enough, and no motor ang
 them. Every array of them has its coordinates along the last axis, in this order.
 """
 
+from collections.abc import Mapping
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -56,6 +58,21 @@ def driven(coordinates: Coordinates) -> Pair:
         Both along the last axis [m].
     """
     return coordinates[..., LOWER :: HEIGHT - LOWER]
+
+
+def with_coordinates(
+    vector: Float[Array, "5"], others: Mapping[int, Float[Array, ""]]
+) -> Float[Array, "5"]:
+    """A vector of which some coordinates are others.
+
+    Args:
+        vector: Positions or velocities of one robot.
+        others: What takes the place of a coordinate's.
+
+    Returns:
+        The vector.
+    """
+    return jnp.stack([others.get(i, value) for i, value in enumerate(jnp.unstack(vector))])
 
 
 class State(eqx.Module):

@@ -45,7 +45,7 @@ def test_a_step_begins_on_the_branch_of_its_velocity_or_else_of_its_load(
 def test_what_sticks_is_at_rest_to_the_bit_and_what_slides_is_left_alone():
     sticking = deviation(assumed(1, (0.5, -1.0, 0.0), (0.0, 0.0, 0.0))).departure(1)
     sliding = deviation(assumed(1, (0.5, 0.0, 0.0), (0.0, 0.0, 0.0))).departure(1)
-    velocity = [jnp.asarray(3.0), jnp.asarray(1e-17)]
+    velocity = jnp.array([3.0, 1e-17, 0.0, 0.0, 0.0])
     assert sticking.at_rest(velocity) == {1: 0.0}
     assert sliding.at_rest(velocity) == {1: velocity[1]}
 
