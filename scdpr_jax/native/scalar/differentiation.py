@@ -2,7 +2,8 @@ r"""A program with its derivative along one direction, by a dozen rules.
 
 The rules are JAX's own, so that both ways agree at kinks, too. As the program consists of
 single numbers there is a rule for an operation, not for an array, and what doesn't depend on
-the direction costs nothing:
+the direction costs nothing. A division, which is ten times as dear as a product, is made once
+for all directions, as that by one:
 
 $$ \dot{(a b)} = \dot a b + a \dot b, \qquad \dot{\sqrt a} = \dot a / (2 \sqrt a), \qquad
    \dot{\mathrm{select}(c, a, b)} = \mathrm{select}(c, \dot a, \dot b), \dots $$
@@ -138,7 +139,8 @@ def _times(scope: Scope, tangent: Value, slope: Value) -> Value:
 
 def _of_division(scope: Scope, value: Value, of: tuple, along: tuple) -> Value:
     (_, b), (da, db) = of, along
-    return scope.apply("div", scope.apply("sub", da, _times(scope, db, value)), b)
+    rest = scope.apply("sub", da, _times(scope, db, value))
+    return _times(scope, rest, scope.apply("div", ONE, b))
 
 
 def _of_product(scope: Scope, _: Value, of: tuple, along: tuple) -> Value:
@@ -152,7 +154,7 @@ def _of_absolute(scope: Scope, _: Value, of: tuple, along: tuple) -> Value:
 
 
 def _of_root(scope: Scope, value: Value, _: tuple, along: tuple) -> Value:
-    return scope.apply("div", _times(scope, along[0], Constant(0.5)), value)
+    return _times(scope, along[0], scope.apply("div", Constant(0.5), value))
 
 
 def _of_sine(scope: Scope, _: Value, of: tuple, along: tuple) -> Value:
@@ -190,7 +192,7 @@ _PUSHED: Mapping[str, Callable[[Scope, Value, tuple, tuple], Value]] = {
     "neg": lambda scope, _, __, along: scope.apply("neg", *along),
     "select": lambda scope, _, of, along: scope.apply("select", of[0], *along[1:]),
     "exp": lambda scope, value, _, along: _times(scope, along[0], value),
-    "log": lambda scope, _, of, along: scope.apply("div", along[0], of[0]),
+    "log": lambda scope, _, of, along: _times(scope, along[0], scope.apply("div", ONE, of[0])),
     "mul": _of_product,
     "div": _of_division,
     "abs": _of_absolute,
