@@ -153,25 +153,27 @@ def _mm(metres: float) -> str:
     return plain(1e3 * float(metres))
 
 
-def show(console: Console, design: CoDesign) -> None:
+def show(console: Console, design: CoDesign, *, caution: str = "") -> None:
     """Print a co-design.
 
     Args:
         console: Where to print it.
         design: The co-design.
+        caution: What it has to warn of; empty for nothing.
     """
     for table in tables(design):
         print_table(console, table)
-    print_lines(console, sentences(design))
+    print_lines(console, [*filter(None, [caution]), *sentences(design)])
 
 
-def codesign_page(design: CoDesign, margins: MarginMap, *, name: str) -> str:
+def codesign_page(design: CoDesign, margins: MarginMap, *, name: str, caution: str = "") -> str:
     """A co-design as a page that needs nothing else.
 
     Args:
         design: The co-design.
         margins: Margins over the workspace with the recommended gains.
         name: Where the robot's parameters were read from.
+        caution: What it has to warn of; empty for nothing.
 
     Returns:
         HTML.
@@ -182,7 +184,7 @@ def codesign_page(design: CoDesign, margins: MarginMap, *, name: str) -> str:
     return page(
         "findings.html.j2",
         title="Co-design of gains, shaper and leg",
-        sentences=sentences(design),
+        sentences=[*filter(None, [caution]), *sentences(design)],
         tables=tables(design),
         pictures=[
             picture(

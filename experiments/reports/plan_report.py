@@ -25,13 +25,16 @@ _METHOD = (
 )
 
 
-def sentences(plan: Plan, compared: Compared, *, voltage_limit: float) -> list[str]:
+def sentences(
+    plan: Plan, compared: Compared, *, voltage_limit: float, caution: str = ""
+) -> list[str]:
     """What a plan comes to, in plain words.
 
     Args:
         plan: The plan.
         compared: Its runs.
         voltage_limit: Largest command of either sign [V].
+        caution: What its tuning warns of; empty for nothing.
 
     Returns:
         Sentences.
@@ -40,6 +43,7 @@ def sentences(plan: Plan, compared: Compared, *, voltage_limit: float) -> list[s
     left = [run.measures.residual_vibration for run in compared.planned]
     worst = int(np.argmax(left))
     lines = [
+        *filter(None, [caution]),
         f"In {plain(plan.time[-1], 3)} s from {_place(plan.position[0])} to "
         f"{_place(plan.position[-1])}: after it the end-effector vibrates "
         f"{_mm(after.residual_vibration)} mm and rests {_mm(after.resting_error)} mm from "
@@ -105,7 +109,14 @@ def tables(compared: Compared) -> tuple[Table, Table]:
     return fitted, others
 
 
-def show(console: Console, plan: Plan, compared: Compared, *, voltage_limit: float) -> None:
+def show(
+    console: Console,
+    plan: Plan,
+    compared: Compared,
+    *,
+    voltage_limit: float,
+    caution: str = "",
+) -> None:
     """Print what a plan comes to.
 
     Args:
@@ -113,13 +124,17 @@ def show(console: Console, plan: Plan, compared: Compared, *, voltage_limit: flo
         plan: The plan.
         compared: Its runs.
         voltage_limit: Largest command of either sign [V].
+        caution: What its tuning warns of; empty for nothing.
     """
     for table in tables(compared):
         print_table(console, table)
-    print_lines(console, sentences(plan, compared, voltage_limit=voltage_limit))
+    told = sentences(plan, compared, voltage_limit=voltage_limit, caution=caution)
+    print_lines(console, told)
 
 
-def plan_page(plan: Plan, compared: Compared, *, voltage_limit: float, tuning: str) -> str:
+def plan_page(
+    plan: Plan, compared: Compared, *, voltage_limit: float, tuning: str, caution: str = ""
+) -> str:
     """A plan as a page that needs nothing else.
 
     Args:
@@ -127,6 +142,7 @@ def plan_page(plan: Plan, compared: Compared, *, voltage_limit: float, tuning: s
         compared: Its runs.
         voltage_limit: Largest command of either sign [V].
         tuning: Name of the tuning that it is for.
+        caution: What that warns of; empty for nothing.
 
     Returns:
         HTML.
@@ -135,7 +151,7 @@ def plan_page(plan: Plan, compared: Compared, *, voltage_limit: float, tuning: s
     return page(
         "findings.html.j2",
         title=f"Leg from {begun} to {ended}",
-        sentences=sentences(plan, compared, voltage_limit=voltage_limit),
+        sentences=sentences(plan, compared, voltage_limit=voltage_limit, caution=caution),
         tables=tables(compared),
         pictures=[
             Pictures()(

@@ -38,7 +38,7 @@ from experiments.studies.findings.tuning import TuningFindings
 from identification.campaign.types import Campaign
 from identification.fit.comparison import Comparison
 from identification.fit.starts import Valley
-from identification.judge.uncertainty import covariance
+from identification.judge.uncertainty import ParameterEstimate, covariance
 from identification.result.estimate import Estimate
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.robot.quantities import value
@@ -74,6 +74,7 @@ def write_report(
         title=title,
         campaign=campaign,
         words=words,
+        verdict=findings.verdict,
         found=words.found + _tuning_sentences(tuning),
         notes=findings.notes,
         rows=[parameter_row(parameter, truth=truth) for parameter in estimated(estimate)],
@@ -172,7 +173,21 @@ def _parameter_pictures(
     free = estimated(estimate)
     if not free:
         return
-    yield picture(
+    if estimate.fits:
+        yield _intervals(free, truth, picture)
+    if len(free) > 1:
+        yield picture(
+            correlation([shown_name(parameter) for parameter in free], estimate.correlation),
+            "Correlation of the estimates. Near ±1 (bold, framed) the data tell only a "
+            "combination of the two, such as the product of friction and pretension.",
+            narrow=True,
+        )
+
+
+def _intervals(
+    free: Sequence[ParameterEstimate], truth: dict[str, float] | None, picture: Pictures
+) -> Picture:
+    return picture(
         intervals(free, truth=truth),
         "How well each parameter is known: the shorter the bar, the better. A bar that "
         "reaches the dashed lines is weakly identified or not at all. What may be zero is "
@@ -182,13 +197,6 @@ def _parameter_pictures(
         ),
         narrow=True,
     )
-    if len(free) > 1:
-        yield picture(
-            correlation([shown_name(parameter) for parameter in free], estimate.correlation),
-            "Correlation of the estimates. Near ±1 (bold, framed) the data tell only a "
-            "combination of the two, such as the product of friction and pretension.",
-            narrow=True,
-        )
 
 
 def _fit_pictures(estimate: Estimate, picture: Pictures) -> Iterator[Picture]:

@@ -33,6 +33,7 @@ _STYLES = {
     "weak": "yellow",
     "unidentifiable": "red",
     "at bound": "red",
+    "model does not fit": "red",
     "yes": "green",
     "no": "red",
 }
@@ -56,6 +57,8 @@ def show(
         posterior: Draws from what the logs leave possible, where they were made.
     """
     estimate = findings.estimate
+    for number, line in enumerate(findings.verdict):
+        console.print(Text(line, style="bold red" if number == 0 else "red"))
     rows = [
         parameter_row(parameter, truth=dict(truth or {})) for parameter in estimated(estimate)
     ]

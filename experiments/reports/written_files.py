@@ -37,14 +37,15 @@ class CalibrationFiles:
     """The estimate, `parameters.json`."""
     frequencies: pathlib.Path | None
     """Natural frequencies, `frequencies.csv`; None if no knock gives one."""
-    tuning: TuningFiles
-    """Gains and shapers."""
+    tuning: TuningFiles | None
+    """Gains and shapers; None if none are made from a fit that has failed."""
 
     @property
     def paths(self) -> tuple[pathlib.Path, ...]:
         """All of them, the report first."""
         frequencies = () if self.frequencies is None else (self.frequencies,)
-        return (self.report, self.parameters, *frequencies, *self.tuning.paths)
+        tuning = () if self.tuning is None else self.tuning.paths
+        return (self.report, self.parameters, *frequencies, *tuning)
 
 
 def write_calibration(
@@ -53,7 +54,7 @@ def write_calibration(
     """Write everything that a calibration gives, each file whole or not at all.
 
     Args:
-        findings: What it comes to, gains and shapers among it.
+        findings: What it comes to.
         out: The folder.
         truth: True values by name, where they are known.
 
@@ -65,7 +66,7 @@ def write_calibration(
     write_parameters(parameters, findings.estimate, accepted=findings.campaign.accepted)
     if mapped:
         write_frequencies(findings.frequencies, out / "frequencies.csv")
-    tuning = write_tuned(out, findings.tuning.tuning)
+    tuning = None if findings.tuning is None else write_tuned(out, findings.tuning.tuning)
     report = out / "report.html"
     write_report(
         report,

@@ -52,6 +52,7 @@ def calibrate(
     clock_drifts: bool = False,
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
+    force: bool = False,
     progress: Progress = SILENT,
 ) -> Findings:
     """Parameters, frequencies, gains and shapers of a campaign.
@@ -66,6 +67,7 @@ def calibrate(
         clock_drifts: Whether the cameras' clocks may drift.
         leg_times: Times of a leg that the tuning is made for [s].
         effort: How much is spent on the tuning.
+        force: Whether to tune even if the fit has failed.
         progress: Told what is being done and which share of it is done.
 
     Returns:
@@ -97,13 +99,16 @@ def calibrate(
             notes += [f"{name}: {why}" for name, why in frequencies.unresolved]
         except ValueError as error:
             notes.append(f"No frequency map: {error}")
-    tuned = tune(
-        fitted,
-        frequencies,
-        leg_times=leg_times,
-        effort=effort,
-        progress=progress.part(0.75, 0.95),
-    )
+    tuned = None
+    if fitted.fits or force:
+        tuned = tune(
+            fitted,
+            frequencies,
+            leg_times=leg_times,
+            effort=effort,
+            force=force,
+            progress=progress.part(0.75, 0.95),
+        )
     return findings(
         fitted,
         campaign=campaign,

@@ -33,6 +33,8 @@ class Channel:
     """Root mean square of measurement minus simulation [unit]."""
     sigma: float
     """Standard deviation of the sensor's noise [unit]."""
+    motion: float
+    """Standard deviation of what was measured: how far the channel moves [unit]."""
     worst_time: float
     """Drive time of the largest residual [s]."""
     count: int
@@ -156,17 +158,32 @@ def _comparison(
     zero = np.mean(measured_angle - simulated_angle, axis=0)
     simulated_angle = simulated_angle + zero
     channels = [
-        _channel(name, "rad", sensors.encoder_sigma, run.drive.time, difference)
-        for name, difference in zip(ENCODERS, (measured_angle - simulated_angle).T, strict=True)
+        _channel(
+            name,
+            "rad",
+            sensors.encoder_sigma,
+            time=run.drive.time,
+            measured=measured_angle[:, number],
+            simulated=simulated_angle[:, number],
+        )
+        for number, name in enumerate(ENCODERS)
     ]
     for index, name in enumerate(CAMERA):
-        difference = measured[:, index] - simulated[:, index]
-        seen = np.isfinite(difference)
+        seen = np.isfinite(measured[:, index])
         if np.any(seen):
             angular = name == "delta_e"
             sigma = sensors.camera_angle_sigma if angular else sensors.camera_position_sigma
             unit = "rad" if angular else "m"
-            channels.append(_channel(name, unit, sigma, frame_time[seen], difference[seen]))
+            channels.append(
+                _channel(
+                    name,
+                    unit,
+                    sigma,
+                    time=frame_time[seen],
+                    measured=measured[seen, index],
+                    simulated=simulated[seen, index],
+                )
+            )
     return Comparison(
         name=run.name,
         kind=run.kind,
@@ -187,14 +204,18 @@ def _channel(
     name: str,
     unit: str,
     sigma: float,
+    *,
     time: Float[np.ndarray, " n"],
-    difference: Float[np.ndarray, " n"],
+    measured: Float[np.ndarray, " n"],
+    simulated: Float[np.ndarray, " n"],
 ) -> Channel:
+    difference = measured - simulated
     return Channel(
         name=name,
         unit=unit,
         rms=float(np.sqrt(np.mean(np.square(difference)))),
         sigma=sigma,
+        motion=float(np.std(measured)),
         worst_time=float(time[np.argmax(np.abs(difference))]),
         count=difference.size,
     )

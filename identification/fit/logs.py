@@ -44,6 +44,8 @@ class Logs:
     """Those runs; None without any."""
     sensors: Sensors
     """The sensors' noise."""
+    accepted: tuple[str, ...]
+    """Contradictions of the sensors that the fit goes on with, in words."""
 
     @classmethod
     def of(cls, campaign: Campaign, robot: Robot, *, clock_drifts: bool) -> "Logs":
@@ -87,6 +89,7 @@ class Logs:
             motors=motors,
             motor_records=motor_record([runs[i] for i in motors], sensors) if motors else None,
             sensors=sensors,
+            accepted=campaign.accepted,
         )
 
     @property

@@ -293,7 +293,9 @@ def assemble(
         columns = np.flatnonzero(is_open[: of_run.gradient.size])
         at = unknowns.of_run(run)[columns]
         # Quantities that share an unknown add up in it.
-        np.add.at(matrix, np.ix_(at, at), of_run.matrix[np.ix_(columns, columns)])
+        # What overflows is found where the fit is judged, with the run's name.
+        with np.errstate(over="ignore", invalid="ignore"):
+            np.add.at(matrix, np.ix_(at, at), of_run.matrix[np.ix_(columns, columns)])
         np.add.at(gradient, at, of_run.gradient[columns])
         for column, place in zip(columns, at, strict=True):
             scores[row][:, place] += of_run.scores[:, column]

@@ -132,7 +132,10 @@ def _valleys(problem: Problem, base: np.ndarray, label: str) -> list[tuple[Valle
             _friction(problem, end.point),
             end.normal.cost / count,
         )
-        if all(abs(valley.pretension / other.pretension - 1) > SAME for other, _ in distinct):
+        if all(
+            abs(valley.pretension - other.pretension) > SAME * other.pretension
+            for other, _ in distinct
+        ):
             distinct.append((valley, end.point))
     return distinct
 

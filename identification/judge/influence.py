@@ -192,7 +192,8 @@ def moves(
     moved = -np.einsum("cij,cj->ci", inverse, pull)
     is_determined = _is_determined(normal, inverse)
     for case in np.flatnonzero(np.any(is_determined & (moved < lower), axis=1)):
-        moved[case] = _bounded(inverse[case], pull[case], lower)
+        at = np.flatnonzero(is_determined[case])
+        moved[case, at] = _bounded(inverse[case][np.ix_(at, at)], moved[case, at], lower[at])
     return np.where(is_determined, moved, np.nan)
 
 
@@ -276,16 +277,16 @@ def _by_noise(normal: RunNormal) -> Float[np.ndarray, "runs n"]:
 
 def _bounded(
     covariance: Float[np.ndarray, "n n"],
-    pull: Float[np.ndarray, " n"],
+    step: Float[np.ndarray, " n"],
     lower: Float[np.ndarray, " n"],
 ) -> Float[np.ndarray, " n"]:
-    """The step that a quadratic model's minimum within lower bounds asks for."""
+    """The step to a quadratic model's minimum within lower bounds, from that without."""
     scale = np.sqrt(np.diag(covariance))
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
     # What rounding leaves of a combination that is known far better than its quantities.
     root = np.sqrt(np.maximum(values, np.finfo(float).eps * values[-1]))
     factor = (vectors / root).T
-    target = -(vectors * root).T @ (scale * pull)
+    target = factor @ (step / scale)
     # A start at its bound may be beyond it by rounding.
     bounds = (np.minimum(lower / scale, -1e-12), np.inf)
     return scale * lsq_linear(factor, target, bounds, method="bvls").x
@@ -328,10 +329,12 @@ def decoded(
     Returns:
         Their values [SI].
     """
-    columns = [
-        np.exp(column) if quantity(name).positive else column
-        for name, column in zip(names, encoded.T, strict=True)
-    ]
+    # A step of a fit that has failed may lead anywhere.
+    with np.errstate(over="ignore"):
+        columns = [
+            np.exp(column) if quantity(name).positive else column
+            for name, column in zip(names, encoded.T, strict=True)
+        ]
     return np.stack(columns, axis=1)
 
 

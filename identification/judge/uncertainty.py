@@ -22,6 +22,9 @@ NO_INTERVAL = 10.0
 """Relative standard error from which a value that may be zero has no interval [1]: so wide an
 interval says nothing of the robot, only of how the model was extrapolated."""
 
+DOES_NOT_FIT = "model_does_not_fit"
+"""Status of every quantity of a fit that has failed."""
+
 UNSEEN = 1.0
 """Relative standard error from which a value is called unidentifiable [1]."""
 
@@ -43,7 +46,7 @@ class ParameterEstimate:
     interval95: tuple[float, float]
     """95 % confidence interval [SI]."""
     status: str
-    """`identified`, `weak`, `unidentifiable`, `at_bound` or `fixed`."""
+    """`identified`, `weak`, `unidentifiable`, `at_bound`, `fixed` or `model_does_not_fit`."""
     degrees_of_freedom: float = dataclasses.field(default=np.inf, metadata=si("1"))
     """Degrees of freedom of the standard error [1]."""
 

@@ -14,6 +14,7 @@ from identification.fit.unknowns.options import FitOptions
 from identification.judge.identifiability import Identifiability
 from identification.judge.influence import Influence
 from identification.judge.uncertainty import ParameterEstimate
+from identification.judge.verdict import Unexplained
 from identification.result.fitted_robot import FittedRobot
 from scdpr_jax.robot.parameters import Robot
 
@@ -52,6 +53,10 @@ class Estimate:
     """What these logs can tell of what."""
     influence: Influence
     """Which run moves which quantity, and the bootstrap over runs."""
+    unexplained: tuple[Unexplained, ...] = ()
+    """Channels that this model doesn't explain, the worst first; a fit that has any failed."""
+    accepted: tuple[str, ...] = ()
+    """Contradictions of the sensors that the fit went on with, in words."""
     options: FitOptions = dataclasses.field(default_factory=FitOptions)
     """What the fit was asked for; `free` are the quantities of the model that it is of."""
     models: tuple[Model, ...] = ()
@@ -68,6 +73,11 @@ class Estimate:
     def parameters(self) -> tuple[ParameterEstimate, ...]:
         """Every named quantity, estimated or fixed."""
         return self.fitted.parameters
+
+    @property
+    def fits(self) -> bool:
+        """Whether the model explains what was measured, as far as a model can."""
+        return self.fitted.fits
 
     @property
     def correlation(self) -> Float[np.ndarray, "n n"]:

@@ -8,7 +8,7 @@ single descent would be simpler, and end in the wrong valley of the vibration's 
 
 import concurrent.futures
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import jax
 import numpy as np
@@ -19,11 +19,13 @@ from identification.data.circumstances import NAMES, Circumstances
 from identification.fit.comparison import comparisons
 from identification.fit.correction import corrected
 from identification.fit.problem import Problem
+from identification.fit.run_sums import RunSums
 from identification.fit.starts import Valley, starts
 from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import FOLLOWS, encode
 from identification.judge.identifiability import identifiability
 from identification.judge.influence import influence, run_normal
+from identification.judge.verdict import judged, unexplained
 from identification.result.estimate import Estimate, Fit
 from identification.result.fitted_robot import Residual, fitted_robot
 from scdpr_jax.numerics.levenberg_marquardt import Minimum
@@ -118,9 +120,15 @@ def _estimate(
 ) -> Estimate:
     """What a minimum says, and the point beside it at which the runs held out are predicted."""
     (sums,) = problem.sums([minimum.point])
-    runs = comparisons(problem, point)
+    _require_finite(problem, sums)
+    runs, accepted = comparisons(problem, point), problem.logs.accepted
+    failing = unexplained(runs, contradicted=bool(accepted))
+    by_errors = fitted_robot(problem, minimum, sums)
     fitted = dataclasses.replace(
-        fitted_robot(problem, minimum, sums),
+        by_errors,
+        parameters=judged(
+            by_errors.parameters, failed=bool(failing), contradicted=bool(accepted)
+        ),
         residuals=tuple(
             Residual(channel.name, channel.rms, channel.sigma, channel.is_noise)
             for run in runs
@@ -137,11 +145,27 @@ def _estimate(
         identifiability=identifiability(problem, minimum.point, sums),
         influence=influence(
             run_normal(problem, minimum.point, sums),
-            fitted.estimated,
+            by_errors.estimated,
             encoded=minimum.point[opened],
         ),
+        unexplained=failing,
+        accepted=accepted,
         options=dataclasses.replace(problem.options, free=tuple(free)),
     )
+
+
+def _require_finite(problem: Problem, sums: Mapping[int, RunSums]) -> None:
+    """Refuse values at which what a run says of them isn't finite: nothing can be judged."""
+    runs = problem.logs.runs
+    broken = [
+        runs[run].name for run, of_run in sums.items() if not np.all(np.isfinite(of_run.matrix))
+    ]
+    if broken:
+        raise FloatingPointError(
+            f"no robot explains {', '.join(broken)}: the fit was driven to values at which the "
+            "simulation overflows. A wrong unit, sign or plug does that: see `scdpr check`, "
+            "or leave the run out."
+        )
 
 
 def vector(problem: Problem, estimate: Estimate) -> Float[np.ndarray, " n"]:

@@ -10,6 +10,7 @@ from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums, assemble
 from identification.fit.unknowns.unknowns import PER_SETTING, Unknowns, decode, lower_bound
 from identification.judge.uncertainty import (
+    DOES_NOT_FIT,
     Covariance,
     ParameterEstimate,
     covariance,
@@ -54,6 +55,11 @@ class FittedRobot:
     def estimated(self) -> tuple[ParameterEstimate, ...]:
         """The parameters that were estimated, in their order."""
         return tuple(p for p in self.parameters if p.status != "fixed")
+
+    @property
+    def fits(self) -> bool:
+        """Whether the fit that the parameters come from hasn't failed."""
+        return all(p.status != DOES_NOT_FIT for p in self.parameters)
 
     @property
     def settings(self) -> tuple[str, ...]:

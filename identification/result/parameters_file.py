@@ -59,6 +59,8 @@ def write_parameters(
             for channel, validation in zip(run.channels, validate(run), strict=True)
         ],
         "accepted": list(accepted),
+        "fits": estimate.fits,
+        "unexplained": [dataclasses.asdict(channel) for channel in estimate.unexplained],
         "profiles": [_profile(profile) for profile in profiles],
         "posterior": [] if posterior is None else _posterior(posterior),
         "measured_otherwise": _measured(estimate),
@@ -210,7 +212,9 @@ class _Parameter(pydantic.BaseModel):
     unit: str
     sigma: pydantic.FiniteFloat | None = None
     interval95: tuple[pydantic.FiniteFloat | None, pydantic.FiniteFloat | None] = (None, None)
-    status: Literal["identified", "weak", "unidentifiable", "at_bound", "fixed"]
+    status: Literal[
+        "identified", "weak", "unidentifiable", "at_bound", "fixed", "model_does_not_fit"
+    ]
 
     def estimate(self) -> ParameterEstimate:
         """The row as a fit has it: what isn't known is infinite."""

@@ -227,7 +227,7 @@ def _search(
             _, promised = _step(best, point, lower, _REGULAR, damping.floor)
         if promised <= max(stopping.decrement, stopping.share * abs(best.cost)):
             # A long step that promises nothing is the end; a damped one stands at a kink.
-            ended = "converged" if weight <= 1e-2 else "stalled"
+            ended = "converged" if weight <= 1e-2 and promised > -math.inf else "stalled"
             break
         candidate = np.maximum(point + step, lower)
         merit, evaluations = (yield candidate), evaluations + 1
@@ -265,7 +265,11 @@ def _step(
 ) -> tuple[Point, float]:
     """A damped step, and by how much it promises to lower the merit."""
     free = free_unknowns(merit, point, lower)
-    step = damped_step(merit.gradient, merit.matrix, damping, free=free, floor=floor)
+    try:
+        step = damped_step(merit.gradient, merit.matrix, damping, free=free, floor=floor)
+    except np.linalg.LinAlgError:
+        # Overflowed derivatives, and those of unknowns that act as one to the last digit.
+        return np.zeros_like(point), -math.inf
     return step, -float(2 * merit.gradient @ step + step @ merit.matrix @ step)
 
 

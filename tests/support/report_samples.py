@@ -122,6 +122,7 @@ def channel(name, unit, sigma, difference, time):
         unit=unit,
         rms=float(np.sqrt(np.mean(difference**2))),
         sigma=float(sigma),
+        motion=0.3,
         worst_time=float(time[np.argmax(np.abs(difference))]),
         count=difference.size,
     )

@@ -18,11 +18,12 @@ from tuning.codesign.unknowns import Law
 from tuning.loop.worst_margins import WorstMargin
 
 
-def codesign_document(design: CoDesign) -> str:
+def codesign_document(design: CoDesign, *, caution: str = "") -> str:
     """A co-design as the text of `codesign.json`.
 
     Args:
         design: The co-design.
+        caution: What it has to warn of; empty for nothing.
 
     Returns:
         JSON text; SI units.
@@ -31,6 +32,7 @@ def codesign_document(design: CoDesign) -> str:
     columns, rows = scope.grid
     document = {
         "format": 1,
+        **({"caution": caution} if caution else {}),
         **_designed(design.chosen),
         "margins": {
             "flexible": [_margin(margin) for margin in design.margins],
@@ -54,14 +56,15 @@ def codesign_document(design: CoDesign) -> str:
     return json.dumps(document, indent=1, allow_nan=False) + "\n"
 
 
-def write_codesign(path: pathlib.Path, design: CoDesign) -> None:
+def write_codesign(path: pathlib.Path, design: CoDesign, *, caution: str = "") -> None:
     """Write a co-design as `codesign.json`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         design: The co-design.
+        caution: What it has to warn of; empty for nothing.
     """
-    write_whole(path, codesign_document(design))
+    write_whole(path, codesign_document(design, caution=caution))
 
 
 def read_law(path: pathlib.Path) -> Law:

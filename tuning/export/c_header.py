@@ -40,7 +40,12 @@ def c_header(description: Description) -> str:
     regions = [_region(number, regional, grids) for number, regional in enumerate(shapers)]
     return fill_in(
         FILE,
-        constants="\n".join(_define(description.constants, field) for field in _FIELDS),
+        constants="\n".join(
+            [
+                *_cautions(description),
+                *(_define(description.constants, field) for field in _FIELDS),
+            ]
+        ),
         region_count=str(len(shapers)),
         history=str(max(_history(regional.shaper, period) for regional in shapers)),
         tables="\n".join(tables),
@@ -49,6 +54,13 @@ def c_header(description: Description) -> str:
 
 
 _FIELDS = dataclasses.fields(Constants)
+
+
+def _cautions(description: Description) -> list[str]:
+    """A warning for who reads the file, and one for who compiles it."""
+    if not description.caution:
+        return []
+    return [f"/* {description.caution} */", "#define SCDPR_MODEL_DOES_NOT_FIT 1"]
 
 
 def _define(constants: Constants, field: dataclasses.Field) -> str:

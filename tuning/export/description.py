@@ -40,6 +40,8 @@ class Description:
     """The bare drive, Eq. (24)."""
     shapers: tuple[RegionalShaper, ...]
     """The shapers, each for legs that end in its region; the first that fits counts."""
+    caution: str = ""
+    """What every file has to warn of; empty for nothing."""
 
 
 def describe(tuning: Tuning) -> Description:
@@ -74,6 +76,7 @@ def describe(tuning: Tuning) -> Description:
         ),
         plant=MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive)),
         shapers=tuning.shapers,
+        caution=tuning.caution,
     )
 
 

@@ -3,7 +3,7 @@
 import csv
 import dataclasses
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from tuning.export.description import Constants, Description, decimal
 from tuning.result.regional_shaper import Region, RegionalShaper
@@ -12,6 +12,8 @@ CONTROLLER_FILE = "controller.csv"
 """Name of the table of the controller's numbers."""
 SHAPERS_FILE = "shapers.csv"
 """Name of the table of impulses."""
+CAUTION_COLUMN = "model_does_not_fit [1]"
+"""Last column, of ones, of what is made from a fit that has failed."""
 
 
 def controller_table(description: Description) -> str:
@@ -26,7 +28,7 @@ def controller_table(description: Description) -> str:
     fields = dataclasses.fields(Constants)
     header = [f"{field.name} [{field.metadata['unit']}]" for field in fields]
     row = [decimal(getattr(description.constants, field.name)) for field in fields]
-    return _csv([header, row])
+    return _csv([header, row], description)
 
 
 def shapers_table(description: Description) -> str:
@@ -48,7 +50,8 @@ def shapers_table(description: Description) -> str:
         for number, regional in enumerate(description.shapers)
         for row in _rows(number, regional)
     ]
-    return _csv([["region [1]", *spans, "time [s]", "amplitude [1]"], *rows])
+    header = ["region [1]", *spans, "time [s]", "amplitude [1]"]
+    return _csv([header, *rows], description)
 
 
 def _rows(number: int, regional: RegionalShaper) -> Iterator[list[str]]:
@@ -58,7 +61,11 @@ def _rows(number: int, regional: RegionalShaper) -> Iterator[list[str]]:
         yield [str(number), *ends, decimal(time), decimal(amplitude)]
 
 
-def _csv(rows: Iterable[list[str]]) -> str:
+def _csv(rows: list[list[str]], description: Description) -> str:
     text = io.StringIO()
+    if description.caution:
+        # The last one: whoever reads columns by their place goes on reading the same.
+        marks = (CAUTION_COLUMN, *("1" for _ in rows[1:]))
+        rows = [[*row, mark] for row, mark in zip(rows, marks, strict=True)]
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue()

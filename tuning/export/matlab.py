@@ -27,8 +27,13 @@ def matlab_script(description: Description) -> str:
     return fill_in(
         FILE,
         controller="\n".join(
-            _assign(field.name, getattr(description.constants, field.name), field)
-            for field in dataclasses.fields(Constants)
+            [
+                *([f"% {description.caution}"] if description.caution else []),
+                *(
+                    _assign(field.name, getattr(description.constants, field.name), field)
+                    for field in dataclasses.fields(Constants)
+                ),
+            ]
         ),
         plant="\n".join(
             _assign(f"plant_{field.name}", getattr(description.plant, field.name), field)

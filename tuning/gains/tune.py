@@ -34,7 +34,7 @@ from tuning.regions.cells import Cell, Frequencies, cells_of, other_modes, robot
 from tuning.regions.residual_map import worst_in_band
 from tuning.result.prediction import Metrics, Prediction
 from tuning.result.regional_shaper import RegionalShaper, ResidualVibration
-from tuning.result.tuning import FittedSetting, Tuning
+from tuning.result.tuning import CAUTION, FittedSetting, Tuning
 from tuning.shapers.catalogue import CATALOGUE
 
 _SPAN = (0.3 / 2.224, 1.9 / 2.224)
@@ -63,6 +63,15 @@ class Estimated(Protocol):
         """The robot at a setting such as "350 N"."""
 
 
+@runtime_checkable
+class Judged(Protocol):
+    """What knows whether the fit that it comes from has failed."""
+
+    @property
+    def fits(self) -> bool:
+        """Whether it hasn't."""
+
+
 class _Nowhere:
     """A map of no knocks."""
 
@@ -75,6 +84,7 @@ def tune(
     *,
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
+    force: bool = False,
     progress: Progress = SILENT,
 ) -> Tuning:
     """Gains for the robot and a shaper for every region of its workspace.
@@ -89,6 +99,7 @@ def tune(
         frequencies: The measured map; None, or without rows, for the model's frequencies.
         leg_times: Times of a leg that the design is optimised for [s].
         effort: How much is spent on the optimisation.
+        force: Whether to tune for a robot whose fit has failed; the tuning is marked.
         progress: Told what is being done and which share of it is done.
 
     Returns:
@@ -96,8 +107,9 @@ def tune(
         the predicted metrics became worse.
 
     Raises:
-        ValueError: If a measured setting has no fitted pretension.
+        ValueError: If a measured setting has no fitted pretension, or the fit has failed.
     """
+    caution = _caution(estimate, force=force)
     knocks = _Nowhere() if frequencies is None else frequencies
     settings = sorted({float(setting) for setting in knocks.pretension})
     robots = {setting: exact(estimate.of_setting(f"{setting:g} N")) for setting in settings}
@@ -148,7 +160,22 @@ def tune(
         robots=fitted,
         worst_margins=worst_margins(margin_map(fitted, optimum.controller)),
         notes=(*_other_modes(knocks, robots), *_notes(shapers, predicted)),
+        caution=caution,
     )
+
+
+def _caution(estimate: Estimated, *, force: bool) -> str:
+    """What a tuning for this robot has to warn of."""
+    if not isinstance(estimate, Judged) or estimate.fits:
+        return ""
+    if not force:
+        raise ValueError(
+            "the model doesn't fit the runs that these parameters come from, got the status "
+            "model_does_not_fit, expected values that hold. Gains for a robot that isn't the "
+            "one on the rig can shake it to pieces. Find the cause first; `--force` (`force` "
+            "in Python) tunes all the same, and marks every file."
+        )
+    return CAUTION
 
 
 def _reference_cell(cells: tuple[Cell, ...], robot: Robot) -> Cell:

@@ -20,33 +20,39 @@ COLUMNS = (
 )
 """The header."""
 
+CAUTION_COLUMN = "model_does_not_fit [1]"
+"""Last column, of ones, of a plan for a robot whose fit has failed."""
 
-def plan_table(plan: Plan) -> str:
+
+def plan_table(plan: Plan, *, marked: bool = False) -> str:
     """A plan as the text of `plan.csv`.
 
     Args:
         plan: The plan.
+        marked: Whether it is for a robot whose fit has failed.
 
     Returns:
         CSV, units in the header.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    mark = ("1",) if marked else ()
+    writer.writerow((*COLUMNS, CAUTION_COLUMN) if marked else COLUMNS)
     rows = np.column_stack([plan.position, plan.angle, plan.feedforward])
     for time, row in zip(plan.time, rows, strict=True):
-        writer.writerow([f"{time:.6f}", *(f"{number:.9f}" for number in row)])
+        writer.writerow([f"{time:.6f}", *(f"{number:.9f}" for number in row), *mark])
     return text.getvalue()
 
 
-def write_plan(path: pathlib.Path, plan: Plan) -> None:
+def write_plan(path: pathlib.Path, plan: Plan, *, marked: bool = False) -> None:
     """Write a plan as `plan.csv`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         plan: The plan.
+        marked: Whether it is for a robot whose fit has failed.
     """
-    write_whole(path, plan_table(plan))
+    write_whole(path, plan_table(plan, marked=marked))
 
 
 def read_plan(path: pathlib.Path) -> Plan:
@@ -70,12 +76,15 @@ def read_plan(path: pathlib.Path) -> Plan:
             "`scdpr plan` first."
         ) from None
     header = tuple(next(csv.reader(lines[:1]), ()))
-    if header != COLUMNS:
+    if header not in (COLUMNS, (*COLUMNS, CAUTION_COLUMN)):
         raise ValueError(
             f"{path}, row 1: the header is wrong, got {','.join(header)!r}, expected "
             f"{','.join(COLUMNS)!r}. Write it anew with `scdpr plan`."
         )
-    rows = [_row(path, number, line) for number, line in enumerate(csv.reader(lines[1:]), 2)]
+    rows = [
+        _row(path, number, line, len(header))
+        for number, line in enumerate(csv.reader(lines[1:]), 2)
+    ]
     if len(rows) < 2:
         raise ValueError(
             f"{path}: got {len(rows)} rows, expected two at least. Write it anew with "
@@ -85,14 +94,14 @@ def read_plan(path: pathlib.Path) -> Plan:
     return Plan(table[:, 0], table[:, 1:3], table[:, 3:5], table[:, 5:7])
 
 
-def _row(path: pathlib.Path, number: int, cells: list[str]) -> list[float]:
+def _row(path: pathlib.Path, number: int, cells: list[str], count: int) -> list[float]:
     try:
         numbers = [float(cell) for cell in cells]
     except ValueError:
         numbers = []
-    if len(numbers) != len(COLUMNS) or not np.all(np.isfinite(numbers)):
+    if len(numbers) != count or not np.all(np.isfinite(numbers)):
         raise ValueError(
             f"{path}, row {number}: got {','.join(cells)[:60]!r}, expected "
-            f"{len(COLUMNS)} finite numbers. Write it anew with `scdpr plan`."
+            f"{count} finite numbers. Write it anew with `scdpr plan`."
         )
     return numbers

@@ -68,6 +68,8 @@ def tuning_document(tuning: Tuning) -> str:
         },
         "notes": list(tuning.notes),
     }
+    if tuning.caution:
+        document = {"format": 1, "caution": tuning.caution} | document
     return json.dumps(document, indent=1, allow_nan=False) + "\n"
 
 
@@ -119,6 +121,7 @@ def read_tuning(path: pathlib.Path) -> Tuning:
             for worst in gains.margins.flexible
         ),
         notes=tuple(document.notes),
+        caution=document.caution,
     )
 
 
@@ -310,3 +313,4 @@ class _Document(pydantic.BaseModel):
     predicted: dict[str, _Pair]
     robots: list[_Robot] = []
     notes: list[str] = []
+    caution: str = ""

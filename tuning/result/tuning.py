@@ -10,6 +10,12 @@ from tuning.loop.worst_margins import WorstMargin
 from tuning.result.prediction import Prediction
 from tuning.result.regional_shaper import RegionalShaper
 
+CAUTION = (
+    "CAUTION: the model doesn't fit the runs that this was made from. It is for a robot that "
+    "isn't the one on the rig: don't run it there."
+)
+"""What is written on everything that is made from a fit that has failed."""
+
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class FittedSetting:
@@ -39,6 +45,8 @@ class Tuning:
     """Worst margins of the flexible robot's loops over the workspace; empty if unknown."""
     notes: tuple[str, ...] = ()
     """What a reader should know, in whole sentences."""
+    caution: str = ""
+    """`CAUTION` where the fit that it is made from has failed, else empty."""
 
     def __repr__(self) -> str:
         controller = self.controller
@@ -57,7 +65,7 @@ class Tuning:
             f"{1e3 * prediction.after.residual_vibration:.3g} mm after"
             for prediction in self.predicted
         ]
-        lines += [f"  {note}" for note in self.notes]
+        lines += [f"  {note}" for note in (self.caution, *self.notes) if note]
         return "\n".join(lines)
 
     def robot_at(self, pretension: float | None = None) -> FittedSetting:

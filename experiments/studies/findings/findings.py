@@ -13,6 +13,7 @@ from experiments.studies.findings.parameters import FrictionForce, friction_forc
 from experiments.studies.findings.predictions import Prediction, predictions
 from experiments.studies.findings.residuals import Excess, Whiteness, excesses, whiteness
 from experiments.studies.findings.tuning import TuningFindings, tuning_findings
+from experiments.studies.findings.verdict import verdict
 from experiments.studies.findings.words import Words, words_found, words_next, words_sure
 from identification.campaign.types import Campaign
 from identification.fit.unknowns.measured import MeasuredFit
@@ -52,6 +53,8 @@ class Findings:
     """The model's natural frequencies over the height, by nominal pretension [N]."""
     tuning: TuningFindings | None
     """What gains and shapers come to; None without."""
+    verdict: tuple[str, ...]
+    """What a fit that has failed comes to, the likeliest cause first; none for a good one."""
     words: Words
     """The summary in words."""
     notes: tuple[str, ...]
@@ -95,6 +98,7 @@ def findings(
         words_next(
             estimate,
             frequencies,
+            campaign=campaign,
             beyond=beyond,
             held_out=held_out,
             tuned=tuning is not None,
@@ -113,6 +117,7 @@ def findings(
         decays=knock_decays(campaign, frequencies, most=DECAYS) if mapped else (),
         model_curves=model_curves(campaign, estimate, frequencies) if mapped else {},
         tuning=None if tuning is None else tuning_findings(tuning),
+        verdict=verdict(estimate, campaign),
         words=words,
         notes=notes,
     )

@@ -10,7 +10,12 @@ from collections.abc import Mapping
 
 from experiments.page.number_text import percent, readable_unit, rounded
 from identification.fit.unknowns.unknowns import PER_SETTING
-from identification.judge.uncertainty import USUAL, ParameterEstimate, half_width
+from identification.judge.uncertainty import (
+    DOES_NOT_FIT,
+    USUAL,
+    ParameterEstimate,
+    half_width,
+)
 from identification.result.estimate import Estimate
 from scdpr_jax.robot.fields import si
 
@@ -113,6 +118,9 @@ def parameter_sentence(parameter: ParameterEstimate) -> str:
     setting = "" if parameter.setting is None else f" at {parameter.setting}"
     name = parameter.name.replace("_", " ").capitalize() + setting
     unit = "" if parameter.unit == "1" else f" {readable_unit(parameter.unit)}"
+    if parameter.status == DOES_NOT_FIT:
+        value = rounded(parameter.value, 1e-2 * abs(parameter.value))
+        return f"{name}: {value}{unit} by a model that does not fit: it may be off by anything."
     if parameter.status == "unidentifiable":
         return f"{name} can't be told from these runs."
     if parameter.status == "at_bound":

@@ -130,6 +130,7 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
     margin = plain(float(np.degrees(tuning.margins.phase_margin)), 3)
     controller = tuning.controller
     sentences = [
+        *filter(None, [tuning.caution]),
         f"PD gains {short(float(controller.proportional_gain), 5)} V/rad and "
         f"{short(float(controller.derivative_gain), 5)} V s/rad, with {margin}° of phase "
         "margin of a bare drive as sampled.",

@@ -12,6 +12,7 @@ from experiments.studies.findings.parameters import (
     friction_sentence,
     parameter_sentence,
 )
+from experiments.studies.findings.plausibility import implausible
 from experiments.studies.findings.predictions import Prediction, prediction_sentence
 from experiments.studies.findings.residuals import (
     Excess,
@@ -19,6 +20,7 @@ from experiments.studies.findings.residuals import (
     excess_sentence,
     whiteness_sentence,
 )
+from experiments.studies.findings.verdict import doubts
 from identification.campaign.types import Campaign
 from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
@@ -88,16 +90,23 @@ def words_sure(
         *_untold(estimate),
         *map(prediction_sentence, held_out),
         *_ending(estimate),
+        *doubts(estimate),
     )
     if campaign is None:
         return sentences
-    return (*sentences, *_clocks(campaign, estimate), *_skipped(campaign))
+    return (
+        *sentences,
+        *implausible(estimate, campaign),
+        *_clocks(campaign, estimate),
+        *_skipped(campaign),
+    )
 
 
 def words_next(
     estimate: Estimate,
     frequencies: FrequencyMap | None,
     *,
+    campaign: Campaign | None,
     beyond: tuple[Excess, ...],
     held_out: tuple[Prediction, ...],
     tuned: bool,
@@ -107,6 +116,7 @@ def words_next(
     Args:
         estimate: The estimate.
         frequencies: Natural frequencies, None without.
+        campaign: The campaign, None if nothing is known of its runs.
         beyond: Channels with more than noise.
         held_out: How well the held-out runs are predicted.
         tuned: Whether gains and shapers were made from it.
@@ -114,10 +124,15 @@ def words_next(
     Returns:
         A sentence each.
     """
+    if not estimate.fits:
+        return (
+            "Find the cause before anything else: correct or leave out what the verdict names, "
+            "and fit again. The residuals of the worst runs below show what is missed.",
+        )
     steps = []
     for parameter in estimated(estimate):
         name = parameter.name.replace("_", " ")
-        if parameter.status in ("weak", "unidentifiable"):
+        if parameter.status in ("weak", "unidentifiable") and not estimate.accepted:
             steps.append(f"Log runs that excite the {name}: it is {parameter.status} so far.")
         if parameter.status == "at_bound" and beyond:
             steps.append(
@@ -131,7 +146,7 @@ def words_next(
     if not held_out:
         steps.append("Hold a run out next time, to see how well the model predicts.")
     if frequencies is None:
-        steps.append("Log knocks over the workspace: shapers need the natural frequencies.")
+        steps.append(_knocks(campaign))
     if tuned:
         steps.append(
             "Set the gains and shapers on the rig, starting with a slow manoeuvre, log it, and "
@@ -142,6 +157,19 @@ def words_next(
     return tuple(steps)
 
 
+def _knocks(campaign: Campaign | None) -> str:
+    """How to come by natural frequencies, with the knocks that there are."""
+    runs = () if campaign is None else campaign.runs
+    knocks = sum(run.kind == "pseudo_impulse" for run in runs)
+    if not knocks:
+        return "Log knocks over the workspace: shapers need the natural frequencies."
+    there = "1 knock" if knocks == 1 else f"{knocks} knocks"
+    return (
+        f"Map the natural frequencies of the campaign's {there} with `scdpr frequencies`: "
+        "shapers need them."
+    )
+
+
 def _untold(estimate: Estimate) -> tuple[str, ...]:
     """Why a quantity can't be told, or hardly."""
     badly = [p for p in estimated(estimate) if p.status in ("weak", "unidentifiable")]
@@ -150,7 +178,7 @@ def _untold(estimate: Estimate) -> tuple[str, ...]:
 
 
 def _ending(estimate: Estimate) -> tuple[str, ...]:
-    if estimate.fit.ended == "converged":
+    if estimate.fit.ended == "converged" or not estimate.fits:
         return ()
     reason = {
         "stalled": "ended where a run only just stops or doesn't, at a kink of the misfit",

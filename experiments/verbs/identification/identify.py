@@ -4,7 +4,7 @@ import pathlib
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
-from experiments.verbs.exit_status import BAD_INPUT, DONE
+from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from experiments.verbs.places import require_outside
 
 
@@ -91,5 +91,8 @@ def identify(
     for note in read.accepted:
         OUT.print(f"note: {note}", markup=False)
     wrote(out / "parameters.json")
+    if not fitted.fits:
+        suggest(f"scdpr check {campaign}")
+        return FELL_SHORT
     suggest(f"scdpr frequencies {campaign} --out {out}")
     return DONE

@@ -4,7 +4,7 @@ import pathlib
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, plan_call, suggest, wrote
-from experiments.verbs.exit_status import BAD_INPUT, DONE
+from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from experiments.verbs.places import require_outside
 
 
@@ -18,6 +18,7 @@ def calibrate(
     measured: tuple[str, ...] = (),
     camera_drifts: bool = False,
     accept: tuple[str, ...] = (),
+    force: bool = False,
 ) -> int:
     """Check a campaign, identify the robot, map its frequencies, tune it, and report.
 
@@ -36,6 +37,7 @@ def calibrate(
         camera_drifts: Whether the cameras' clocks may run faster or slower than the drives'.
         accept: Contradictions of the log doctor to go on with, by their identifiers; the
             report and parameters.json carry them.
+        force: Make gains and shapers from a fit that has failed, too; every file is marked.
     """
     # What is wrong with the input is said before anything heavy is imported.
     from experiments.verbs.log_doctor import examined
@@ -61,6 +63,7 @@ def calibrate(
             hold_out=hold_out,
             measured=otherwise,
             clock_drifts=camera_drifts,
+            force=force,
             progress=progress.part(0.0, 0.93),
         )
         progress("report", 0.93)
@@ -69,9 +72,12 @@ def calibrate(
     for note in findings.notes:
         OUT.print(f"note: {note}")
     wrote(*written.paths)
+    suggest(f"open {written.report}")
+    if not findings.estimate.fits:
+        suggest(f"scdpr check {campaign}")
+        return FELL_SHORT
     suggest(
-        f"open {written.report}",
         f"scdpr simulate --parameters {written.parameters} --out DIR",
-        plan_call(written.tuning.tuning),
+        plan_call(out / "tuning.json"),
     )
     return DONE

@@ -16,6 +16,7 @@ def codesign(
     settings: tuple[str, ...] = (),
     move_times: tuple[str, ...] = (),
     seed: int = 1,
+    force: bool = False,
 ) -> int:
     """Design gains, shaper and the shape of a leg for the worst over the whole workspace.
 
@@ -34,6 +35,7 @@ def codesign(
         move_times: Times that a move may take with its shaper, "2.4 s" or several; default:
             four, from what the drives just can.
         seed: Of the samples.
+        force: Design for parameters whose fit has failed, too; every file is marked.
     """
     set_up()
     from experiments.reports import codesign_report
@@ -44,8 +46,12 @@ def codesign(
     from scdpr_jax.numerics.files import write_whole
     from tuning.codesign import Scope, write_codesign
     from tuning.loop.worst_margins import margin_map
+    from tuning.result.tuning import CAUTION
 
     fitted = read_parameters(parameters)
+    caution = "" if fitted.fits else CAUTION
+    if caution and not force:
+        raise ValueError(f"{parameters}: {caution} `--force` designs all the same.")
     nominal = tuple(parse_quantity(text, unit="N", name="--settings") for text in settings)
     scope = Scope(
         grid=parse_grid(grid),
@@ -59,10 +65,13 @@ def codesign(
     with shown_progress(ERRORS) as progress:
         co_design = design(fitted, scope, progress=progress)
     result, report = out / "codesign.json", out / "codesign.html"
-    write_codesign(result, co_design)
+    write_codesign(result, co_design, caution=caution)
     margins = margin_map(co_design.robots, co_design.chosen.law.controller)
-    write_whole(report, codesign_report.codesign_page(co_design, margins, name=str(parameters)))
-    codesign_report.show(OUT, co_design)
+    page = codesign_report.codesign_page(
+        co_design, margins, name=str(parameters), caution=caution
+    )
+    write_whole(report, page)
+    codesign_report.show(OUT, co_design, caution=caution)
     wrote(result, report)
     suggest(f"open {report}")
     return DONE if co_design.holds else FELL_SHORT

@@ -18,6 +18,7 @@ def plan(
     out: pathlib.Path,
     leg_time: str | None = None,
     setting: str | None = None,
+    force: bool = False,
 ) -> int:
     """Plan a leg that arrives without vibration: what the controller is to follow.
 
@@ -32,6 +33,7 @@ def plan(
         out: The table to write, plan.csv; a page with the same name, plan.html, shows it.
         leg_time: Time of the leg, "2 s"; default: 2 s, or what the drives need.
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
+        force: Plan with a tuning whose fit has failed, too; the plan is marked.
     """
     beside = out.with_suffix(".html")
     if beside == out:
@@ -50,6 +52,8 @@ def plan(
     from tuning.result.document import read_tuning
 
     tuned = read_tuning(tuning)
+    if tuned.caution and not force:
+        raise ValueError(f"{tuning}: {tuned.caution} `--force` plans all the same.")
     nominal = None if setting is None else parse_quantity(setting, unit="N", name="--setting")
     seconds = (
         None if leg_time is None else parse_quantity(leg_time, unit="s", name="--leg-time")
@@ -76,12 +80,18 @@ def plan(
         progress("the leg beside the PD of Eq. (25) alone", 0.9)
         compared = compare(robot, tuned.controller, planned)
     limit = float(robot.drive.voltage_limit)
-    write_plan(out, planned)
+    write_plan(out, planned, marked=bool(tuned.caution))
     write_whole(
         beside,
-        plan_report.plan_page(planned, compared, voltage_limit=limit, tuning=str(tuning)),
+        plan_report.plan_page(
+            planned,
+            compared,
+            voltage_limit=limit,
+            tuning=str(tuning),
+            caution=tuned.caution,
+        ),
     )
-    plan_report.show(OUT, planned, compared, voltage_limit=limit)
+    plan_report.show(OUT, planned, compared, voltage_limit=limit, caution=tuned.caution)
     wrote(out, beside)
     suggest(f"open {beside}")
     return DONE

@@ -7,7 +7,12 @@ from experiments.verbs.console import ERRORS, OUT, plan_call, suggest, wrote
 from experiments.verbs.exit_status import DONE
 
 
-def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path) -> int:
+def tune(
+    parameters: pathlib.Path,
+    frequencies: pathlib.Path,
+    out: pathlib.Path,
+    force: bool = False,
+) -> int:
     """Design gains and a shaper for each region of the workspace.
 
     Args:
@@ -15,6 +20,7 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
         frequencies: frequencies.csv of `scdpr frequencies`.
         out: Folder for tuning.json and, in its folder export, the tuning in C, for LabVIEW
             and for MATLAB.
+        force: Tune for parameters whose fit has failed, too; every file is marked.
     """
     set_up()
     from experiments.reports import summary
@@ -26,7 +32,7 @@ def tune(parameters: pathlib.Path, frequencies: pathlib.Path, out: pathlib.Path)
     fitted = read_parameters(parameters)
     measured = read_frequencies(frequencies)
     with shown_progress(ERRORS) as progress:
-        tuned = design(fitted, measured, progress=progress)
+        tuned = design(fitted, measured, force=force, progress=progress)
     written = write_tuned(out, tuned)
     summary.show_tuning(OUT, tuned)
     wrote(*written.paths)

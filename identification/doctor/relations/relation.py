@@ -44,7 +44,7 @@ def severity(relations: Iterable[Relation]) -> float:
     Returns:
         The sum of their severities, 0 if all hold.
     """
-    return sum(relation.severity for relation in relations)
+    return sum((relation.severity for relation in relations), 0.0)
 
 
 def off(ratio: float, factor: float) -> float:

@@ -107,3 +107,9 @@ def test_a_co_design_says_what_it_is_for_and_what_it_comes_to():
     assert "worst tenth vibrates 2 mm" in text
     assert "worst tenth 3 mm; margins and voltage kept" in text
     assert len(text.splitlines()) == 3
+
+
+def test_a_co_design_of_a_failed_fit_is_marked(tmp_path):
+    write_codesign(tmp_path / "codesign.json", co_design(), caution="CAUTION: mind it.")
+    document = json.loads((tmp_path / "codesign.json").read_text())
+    assert document["caution"] == "CAUTION: mind it."

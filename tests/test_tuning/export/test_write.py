@@ -9,7 +9,10 @@ from tunings import plain
 
 from tuning.export import write_exports
 from tuning.export.description import decimal
+from tuning.export.labview import CAUTION_COLUMN
+from tuning.export.write import FORMATS
 from tuning.result.document import read_tuning, write_tuning
+from tuning.result.tuning import CAUTION
 
 
 def test_the_folder_holds_the_files_that_are_named_and_no_other(tmp_path):
@@ -49,3 +52,37 @@ def test_a_decimal_reads_back_to_the_same_bits_without_an_exponent(number):
     assert float(text) == number
     assert "e" not in text
     assert "." in text
+
+
+MARKS = {
+    "scdpr_controller.h": (CAUTION, "#define SCDPR_MODEL_DOES_NOT_FIT 1"),
+    "scdpr_controller.m": (f"% {CAUTION}",),
+    "controller.csv": (f",{CAUTION_COLUMN}\n",),
+    "shapers.csv": (f",{CAUTION_COLUMN}\n",),
+}
+"""What each file is marked by where the fit has failed."""
+
+
+def test_every_format_has_a_mark():
+    assert {name for name, _ in FORMATS} == set(MARKS)
+
+
+@pytest.mark.parametrize("name", MARKS)
+def test_a_file_is_marked_only_if_the_fit_has_failed(name, tmp_path):
+    good, failed = tmp_path / "good", tmp_path / "failed"
+    write_exports(good, plain())
+    write_exports(failed, dataclasses.replace(plain(), caution=CAUTION))
+    for mark in MARKS[name]:
+        assert mark in (failed / name).read_text()
+        assert mark not in (good / name).read_text()
+
+
+@pytest.mark.parametrize("name", ["controller.csv", "shapers.csv"])
+def test_the_mark_is_a_last_column_that_moves_no_other(name, tmp_path):
+    write_exports(tmp_path / "good", plain())
+    write_exports(tmp_path / "failed", dataclasses.replace(plain(), caution=CAUTION))
+    good, failed = (
+        (tmp_path / kind / name).read_text().splitlines() for kind in ("good", "failed")
+    )
+    assert [line.rsplit(",", 1)[0] for line in failed] == good
+    assert {line.rsplit(",", 1)[1] for line in failed[1:]} == {"1"}

@@ -60,3 +60,9 @@ def test_the_flexible_robot_keeps_its_margins_everywhere(tuning):
 @pytest.mark.slow
 def test_the_commands_stay_within_the_drives(tuning):
     assert tuning.predicted[0].after.largest_voltage <= float(RIG_A.drive.voltage_limit)
+
+
+def test_nothing_is_tuned_for_a_robot_whose_fit_has_failed():
+    failed = types.SimpleNamespace(robot=RIG_A, of_setting=lambda label: RIG_A, fits=False)
+    with pytest.raises(ValueError, match="model_does_not_fit"):
+        tune(failed, KNOCKS)

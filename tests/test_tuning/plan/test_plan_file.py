@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tuning.plan.plan import Plan
-from tuning.plan.plan_file import COLUMNS, read_plan, write_plan
+from tuning.plan.plan_file import CAUTION_COLUMN, COLUMNS, read_plan, write_plan
 
 PLAN = Plan(
     np.arange(4) * 1e-3,
@@ -49,3 +49,12 @@ def test_a_broken_plan_is_refused_with_its_place(text, told, tmp_path):
 def test_a_missing_plan_says_which_command_writes_it(tmp_path):
     with pytest.raises(ValueError, match="scdpr plan"):
         read_plan(tmp_path / "plan.csv")
+
+
+def test_a_plan_for_a_robot_that_does_not_fit_is_marked_and_read_alike(tmp_path):
+    write_plan(tmp_path / "plan.csv", PLAN, marked=True)
+    header, *rows = (tmp_path / "plan.csv").read_text().splitlines()
+    assert header.endswith(f",{CAUTION_COLUMN}")
+    assert all(row.endswith(",1") for row in rows)
+    again = read_plan(tmp_path / "plan.csv")
+    np.testing.assert_allclose(again.feedforward, PLAN.feedforward, atol=5e-10)

@@ -14,7 +14,7 @@ from tuning.loop.worst_margins import WorstMargin
 from tuning.result.document import read_tuning, tuning_document, write_tuning
 from tuning.result.prediction import Metrics, Prediction
 from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
-from tuning.result.tuning import FittedSetting, Tuning
+from tuning.result.tuning import CAUTION, FittedSetting, Tuning
 from tuning.shapers.catalogue import ei
 
 METRICS = Metrics(5e-3, 2e-3, 54e-3, 15e-3, 54e-3, 8.9, 0.0)
@@ -113,3 +113,15 @@ def test_a_broken_file_is_refused_with_its_place(tuning, tmp_path, change, where
 def test_a_missing_file_says_which_command_writes_it(tmp_path):
     with pytest.raises(ValueError, match="scdpr tune"):
         read_tuning(tmp_path / "tuning.json")
+
+
+def test_a_tuning_of_a_failed_fit_is_marked_and_stays_so(tuning, tmp_path):
+    write_tuning(tmp_path / "tuning.json", dataclasses.replace(tuning, caution=CAUTION))
+    assert json.loads((tmp_path / "tuning.json").read_text())["caution"] == CAUTION
+    again = read_tuning(tmp_path / "tuning.json")
+    assert again.caution == CAUTION
+    assert CAUTION in repr(again)
+
+
+def test_a_tuning_of_a_good_fit_bears_no_mark(tuning):
+    assert "caution" not in json.loads(tuning_document(tuning))

@@ -1,0 +1,72 @@
+"""Whether fitted values are plausible beside the rig's nameplate and its settings."""
+
+from experiments.page.number_text import plain, readable_unit
+from identification.campaign.quantities import QuantityError, parse_quantity
+from identification.campaign.types import Campaign
+from identification.fit.unknowns.unknowns import PER_SETTING
+from identification.judge.uncertainty import ParameterEstimate, half_width
+from identification.result.estimate import Estimate
+from scdpr_jax.robot.quantities import value
+
+FACTOR = 5.0
+"""Value over the nameplate's, or the reverse, from which it isn't plausible [1]."""
+
+ABOVE = 1.05
+"""Effective pretension over its setting from which it isn't plausible [1]: friction and the
+cable's give lower it, and nothing raises it but a rough gauge."""
+
+NAMEPLATES = ("drive_inertia", "drive_damping", "friction_coefficient")
+"""Quantities that the prototype, or [robot], states a value of."""
+
+
+def implausible(estimate: Estimate, campaign: Campaign) -> tuple[str, ...]:
+    """Fitted values that can hardly be, in words.
+
+    Args:
+        estimate: The estimate.
+        campaign: The campaign, which may state what the rig has.
+
+    Returns:
+        A sentence each.
+    """
+    prior = estimate.options.prior(campaign)
+    sentences = []
+    for parameter in estimate.parameters:
+        if parameter.status in ("fixed", "unidentifiable", "at_bound"):
+            continue
+        if parameter.name == PER_SETTING:
+            sentences.append(_above_setting(parameter))
+        if parameter.name in NAMEPLATES:
+            sentences.append(_far_off(parameter, float(value(prior, parameter.name))))
+    return tuple(sentence for sentence in sentences if sentence)
+
+
+def _above_setting(parameter: ParameterEstimate) -> str:
+    try:
+        setting = parse_quantity(parameter.setting or "", unit="N")
+    except QuantityError:
+        return ""
+    half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
+    low = parameter.value - half if parameter.sigma < float("inf") else parameter.value
+    if low <= ABOVE * setting:
+        return ""
+    return (
+        f"Implausible: the effective pretension is {plain(parameter.value, 3)} N at a setting "
+        f"of {parameter.setting}. A loop is slacker than it was set, not tauter: check the "
+        "commands' unit, the masses, and the setting."
+    )
+
+
+def _far_off(parameter: ParameterEstimate, nameplate: float) -> str:
+    if parameter.value <= 0 or nameplate <= 0:
+        return ""
+    ratio = parameter.value / nameplate
+    if 1 / FACTOR < ratio < FACTOR:
+        return ""
+    unit = "" if parameter.unit == "1" else f" {readable_unit(parameter.unit)}"
+    times = f"{plain(ratio, 2)} times" if ratio > 1 else f"1/{plain(1 / ratio, 2)} of"
+    return (
+        f"Implausible: the {parameter.name.replace('_', ' ')} is {plain(parameter.value, 3)}"
+        f"{unit}, {times} the nameplate's {plain(nameplate, 3)}{unit}. Check the units of "
+        "voltages, angles and time, or state the rig's own value in [robot]."
+    )

@@ -1,0 +1,102 @@
+r"""Whether a fit has failed: what no model that was tried explains, and what follows.
+
+A standard error says how far the noise, or a misfit that comes and goes, moves a value within
+a model. Where a camera's residuals are tens of its noise, the model is another rig's, and the
+value is off by what the model is off, which nothing in the fit tells: then no error is better
+than one of a ten-thousandth. Encoders resolve a fiftieth of what a camera sees, and
+every real rig departs from its model by more than their counts: what an encoder leaves has to
+be a share of its motion, too.
+
+Where a contradiction between the sensors was accepted, more than noise in any channel is its
+doing until the contrary is shown.
+"""
+
+import dataclasses
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from identification.fit.comparison import ENCODERS, Channel, Comparison
+from identification.judge.uncertainty import DOES_NOT_FIT, ParameterEstimate
+
+TENS = 20.0
+"""Residual over the noise from which a channel isn't explained [1]: rigs that bend, rub and
+slacken otherwise than the model leave up to a dozen times the camera's."""
+
+SHARE = 0.1
+"""Residual over the motion that an encoder has to leave for that, too [1]."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Unexplained:
+    """A channel of a fitted run that the model doesn't explain."""
+
+    run: str
+    """Name of the run."""
+    channel: str
+    """Name of the column."""
+    ratio: float
+    """Root mean square of the residual over the noise's standard deviation [1]."""
+    share: float
+    """The same over the channel's motion; infinite for one that stands still [1]."""
+
+
+def unexplained(
+    comparisons: Iterable[Comparison], *, contradicted: bool
+) -> tuple[Unexplained, ...]:
+    """Channels of the fitted runs that the model doesn't explain.
+
+    Args:
+        comparisons: The runs beside their simulations.
+        contradicted: Whether a contradiction between the sensors was accepted.
+
+    Returns:
+        The channels, by how far they exceed the noise.
+    """
+    channels = [
+        Unexplained(run.name, channel.name, math.sqrt(channel.chi_square), _share(channel))
+        for run in comparisons
+        if not run.held_out
+        for channel in run.channels
+        if (not channel.is_noise if contradicted else _is_unexplained(channel))
+    ]
+    return tuple(sorted(channels, key=lambda channel: -channel.ratio))
+
+
+def judged(
+    parameters: Sequence[ParameterEstimate], *, failed: bool, contradicted: bool
+) -> tuple[ParameterEstimate, ...]:
+    """The quantities as the verdict leaves them.
+
+    Args:
+        parameters: The quantities by their standard errors.
+        failed: Whether the fit has failed: then no value has an error.
+        contradicted: Whether a contradiction between the sensors was accepted: what rests on
+            data that can't all be right is weakly identified at best.
+
+    Returns:
+        The quantities; fixed ones as they are.
+    """
+
+    def of(parameter: ParameterEstimate) -> ParameterEstimate:
+        if parameter.status == "fixed" or not (failed or contradicted):
+            return parameter
+        if failed:
+            return dataclasses.replace(
+                parameter, sigma=np.inf, interval95=(-np.inf, np.inf), status=DOES_NOT_FIT
+            )
+        status = "weak" if parameter.status == "identified" else parameter.status
+        return dataclasses.replace(parameter, status=status)
+
+    return tuple(map(of, parameters))
+
+
+def _is_unexplained(channel: Channel) -> bool:
+    if channel.is_noise or channel.chi_square < TENS**2:
+        return False
+    return channel.name not in ENCODERS or _share(channel) > SHARE
+
+
+def _share(channel: Channel) -> float:
+    return channel.rms / channel.motion if channel.motion > 0 else math.inf
