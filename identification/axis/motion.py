@@ -52,14 +52,16 @@ def axis_positions(
     *,
     steps: Float[Array, " steps"],
     start: Float[Array, ""],
+    velocity: Float[Array, ""] | float = 0.0,
 ) -> Float[Array, " steps+1"]:
-    """Open-loop positions of an axis that starts at rest.
+    """Open-loop positions of an axis.
 
     Args:
         parameters: The axis.
         force: Force of the drive, held over each step [N].
         steps: Durations of the steps [s].
         start: Position at the beginning [m].
+        velocity: Velocity at the beginning [m/s].
 
     Returns:
         Positions at the beginning and after each step [m].
@@ -71,8 +73,8 @@ def axis_positions(
         state = axis_step(parameters, state, force=inputs[0], duration=inputs[1])
         return state, state.position
 
-    at_rest = AxisState(position=start, velocity=jnp.zeros_like(start))
-    _, positions = jax.lax.scan(advance, at_rest, (force, steps))
+    begun = AxisState(position=start, velocity=velocity + jnp.zeros_like(start))
+    _, positions = jax.lax.scan(advance, begun, (force, steps))
     return jnp.concatenate([start[None], positions])
 
 

@@ -92,6 +92,11 @@ def solve(
     for number, start in enumerate(points):
         inner = progress.part(0.0, 0.6, f"start {number + 1} of {len(points)}")
         ends.append(problem.minimise(start, iterations=15, decrement=1.0, progress=inner))
+    if not ends:
+        raise FloatingPointError(
+            "no robot explains these runs: no start of the fit has a finite simulation. A wrong "
+            "unit, sign or plug does that: see `scdpr check`."
+        )
     point, done = min(ends, key=lambda end: end.normal.cost).point, 0
     for number in range(CORRECTIONS):
         # What the coarser grid errs by hardly depends on the point: twice is enough.

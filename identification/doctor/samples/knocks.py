@@ -66,7 +66,10 @@ def _knock(record: Record, moved: Onset) -> Knock:
     place = record.position[seen, X]
     first = int(np.searchsorted(seen, moved.row))
     rest = float(np.median(place[: max(first, 1)]))
-    speed = np.abs(np.diff(place[first : first + 8]) / np.diff(time[first : first + 8]))
+    velocity = np.diff(place[first : first + 8]) / np.diff(time[first : first + 8])
+    # Up to where it turns round: half a period on it is as fast again.
+    turned = np.flatnonzero(velocity * np.sign(velocity[:1]) <= 0)
+    speed = np.abs(velocity[: int(turned[0]) if turned.size else None])
     fastest = int(np.argmax(speed)) if speed.size else 0
     away = abs(float(place[first]) - rest)
     # It left its place with the speed that it has right after, half a push before.
