@@ -107,13 +107,15 @@ def tables(design: SpectrumDesign) -> tuple[Table, Table]:
     return catalogue, front
 
 
-def show(console: Console, design: SpectrumDesign) -> None:
+def show(console: Console, file: SpectrumFile, design: SpectrumDesign) -> None:
     """Print a design.
 
     Args:
         console: Where to print it.
+        file: The spectrum as it was read.
         design: The design.
     """
+    print_lines(console, [*file.notes, _peaks(file)])
     for table in tables(design):
         print_table(console, table)
     print_lines(console, sentences(design))
@@ -141,7 +143,7 @@ def shaper_page(file: SpectrumFile, design: SpectrumDesign) -> str:
     return page(
         "findings.html.j2",
         title=f"Input shaper for {file.path.name}",
-        sentences=sentences(design),
+        sentences=[*sentences(design), *file.notes, _peaks(file)],
         tables=tables(design),
         pictures=[
             picture(
@@ -169,6 +171,12 @@ def shaper_page(file: SpectrumFile, design: SpectrumDesign) -> str:
             *versions(),
         ],
     )
+
+
+def _peaks(file: SpectrumFile) -> str:
+    """Where each sensor's spectrum is highest."""
+    peaks = " and ".join(f"{plain(peak, 3)} Hz" for peak in file.spectrum.peaks)
+    return f"The spectrum is highest at {peaks}."
 
 
 def _numbers(shaper: Shaper, residual: float) -> tuple[str, str, str]:

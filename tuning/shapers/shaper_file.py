@@ -36,6 +36,11 @@ def shaper_document(file: SpectrumFile, design: SpectrumDesign) -> str:
             "column": file.column,
             "was_normalised": file.was_normalised,
             "peak": {"value": file.spectrum.peak, "unit": "Hz"},
+            "sensors": [
+                {"column": column, "peak": {"value": peak, "unit": "Hz"}}
+                for column, peak in zip(file.columns, file.spectrum.peaks, strict=True)
+            ],
+            "notes": list(file.notes),
             "threshold": THRESHOLD,
             "damping_ratios": list(design.damping_ratios),
         },

@@ -1,24 +1,36 @@
-"""Reading a measured spectrum from a CSV file, with one clear error."""
+"""Reading a measured spectrum from a CSV file, with one clear error.
 
-import csv
+The file is CSV with a header: one column of frequencies, such as `freq` [Hz], and densities:
+`psd_x`, `psd_y`, `psd_z` and their sum `psd_xyz`, or one column for each of several sensors,
+`adxl345 hotend` and `adxl345 bed`. Every column has the unit that its header says, and what
+was made of the columns is told, because a file alone doesn't say all of it.
+"""
+
 import dataclasses
+import itertools
 import math
 import pathlib
-import re
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
 
-from tuning.shapers.spectrum import Spectrum
+from tuning.shapers.spectrum import THRESHOLD, Spectrum
+from tuning.shapers.spectrum_columns import (
+    Label,
+    density_conversion,
+    frequency_unit,
+    is_level,
+    label,
+)
+from tuning.shapers.spectrum_table import SpectrumTable, read_table
 
-_FREQUENCY = ("freq", "frequency", "f")
-_TOTAL = "psd_xyz"
-_DENSITY = re.compile(r"psd(_\w+)?|power|p", re.IGNORECASE)
-_SHAPER = re.compile(r"\w+\s*\(\s*[\d.]+\s*\)")
-"""A further column such as `mzv(48.4)`: whoever wrote it had normalised the densities."""
 _FEWEST = 8  # bins: fewer don't show a peak and its sides
 _REPORTED = 5  # faults listed in one error
-_EXPECTED = "a header such as 'freq,psd_x,psd_y,psd_z,psd_xyz' and a row of numbers per bin"
+_TAIL = 0.05  # share of the bins, the last, that tell whether the spectrum still rises
+_HIGHEST_LEVEL = 3000.0  # dB; powers above 10^300 are none of a machine's
+
+Numbers = Float[np.ndarray, " bins"]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -28,30 +40,45 @@ class SpectrumFile:
     path: pathlib.Path
     """The file."""
     spectrum: Spectrum
-    """The spectrum."""
-    column: str
-    """The column, or columns, that it was taken from."""
+    """The spectrum, of one sensor or of several."""
+    columns: tuple[str, ...]
+    """The column, or the sum of columns, that each sensor's was taken from."""
     was_normalised: bool
     """Whether the file's densities were over the frequency already."""
+    notes: tuple[str, ...]
+    """How the columns were taken, and what the spectrum can't show, in words."""
+
+    @property
+    def column(self) -> str:
+        """The columns that it was taken from."""
+        return ", ".join(self.columns)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Sensor:
+    """A sensor's densities in a file."""
+
+    name: str
+    places: tuple[int, ...]
 
 
 def read_spectrum(
     path: pathlib.Path,
     *,
-    column: str | None = None,
+    column: str | Sequence[str] | None = None,
     normalised: bool | None = None,
     lowest: float = 0.0,
 ) -> SpectrumFile:
     """Read a measured spectrum.
 
-    The file is CSV with a header: one column `freq` or `frequency` [Hz] and densities such
-    as `psd_x`, `psd_y`, `psd_z` and their sum `psd_xyz`. Shaking with a force that grows
-    with the frequency makes densities grow with it; the spectrum is the density over the
-    frequency.
+    Shaking with a force that grows with the frequency makes densities grow with it; the
+    spectrum is the density over the frequency. Several sensors are kept apart: a shaper is
+    judged by the one at which it leaves most.
 
     Args:
         path: The file.
-        column: Column of the densities; default: `psd_xyz`, else the sum of those there are.
+        column: Columns of the densities, one a sensor; default: each sensor's total, else the
+            sum of its axes.
         normalised: Whether the densities are over the frequency already; default: if the
             header has columns of shapers, such as `mzv(48.4)`, they are.
         lowest: Frequencies up to here are left out [Hz]; 0 is, always.
@@ -65,96 +92,137 @@ def read_spectrum(
             expected and what to do.
     """
     path = pathlib.Path(path)
-    header, rows = _cells(path)
-    names = [_name(label) for label in header]
-    frequency_at = _place_of_frequency(path, names)
-    places = _places_of_density(path, names, column)
-    numbers = _numbers(path, header, rows, [frequency_at, *places])
-    frequency, density = numbers[:, 0], numbers[:, 1:].sum(axis=1)
-    _check(path, frequency, density, names[frequency_at])
-    if normalised is None:
-        normalised = any(_SHAPER.fullmatch(label.strip()) for label in header)
+    table = read_table(path)
+    labels = [label(cell) for cell in table.header]
+    at = _place_of_frequency(table, labels)
+    sensors = _named(table, labels, column) if column else _sensors(table, labels)
+    frequency, densities = _converted(table, labels, at, sensors)
+    _check_frequency(table, frequency, labels[at].text)
+    shaper = next((each.text for each in labels if each.is_shaper), None)
+    was_normalised = shaper is not None if normalised is None else normalised
     kept = (frequency > 0) & (frequency >= lowest)
-    frequency, density = frequency[kept], density[kept]
-    if np.count_nonzero(density) < _FEWEST:
-        raise ValueError(
-            f"{path}: {np.count_nonzero(density)} bins above {lowest:g} Hz with vibration, "
-            f"expected at least {_FEWEST}. Record a longer shake, or lower `--lowest`."
-        )
-    power = density if normalised else density / frequency
-    chosen = " + ".join(names[place] for place in places)
-    return SpectrumFile(path, Spectrum(frequency, power / power.max()), chosen, normalised)
+    frequency, densities = frequency[kept], densities[:, kept]
+    _check_vibration(path, sensors, densities, lowest)
+    power = densities if was_normalised else densities / frequency
+    power = power / power.max(axis=1, keepdims=True)
+    spectrum = Spectrum(frequency, power[0] if len(sensors) == 1 else power)
+    notes = (
+        _frequencies(labels[at]),
+        _taken(labels, sensors, shaper, normalised),
+        *_unused(labels, sensors, at),
+        *_rising(spectrum, sensors),
+    )
+    return SpectrumFile(path, spectrum, tuple(s.name for s in sensors), was_normalised, notes)
 
 
-def _cells(path: pathlib.Path) -> tuple[list[str], list[list[str]]]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ValueError(
-            f"{path}: byte {error.start} isn't UTF-8, got another kind of file, expected "
-            f"{_EXPECTED}. Export the spectrum as CSV (UTF-8)."
-        ) from error
-    rows = [row for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
-    if not rows:
-        raise ValueError(
-            f"{path}: got an empty file, expected {_EXPECTED}. Export the spectrum again."
-        )
-    return rows[0], rows[1:]
-
-
-def _name(label: str) -> str:
-    """A column's name: without its unit, and without the mark of a comment before it."""
-    return label.strip().lstrip("#").partition("[")[0].strip()
-
-
-def _place_of_frequency(path: pathlib.Path, names: list[str]) -> int:
-    places = [n for n, name in enumerate(names) if name.lower() in _FREQUENCY]
+def _place_of_frequency(table: SpectrumTable, labels: list[Label]) -> int:
+    places = [n for n, each in enumerate(labels) if each.is_frequency]
     if len(places) != 1:
         raise ValueError(
-            f"{path}, row 1: {len(places)} columns of frequency, got {','.join(names)[:80]!r}, "
-            "expected one named 'freq' or 'frequency' [Hz]. Rename it in the header; raw "
-            "accelerations have to be made a spectrum first."
+            f"{table.path}, row {table.line}: {len(places)} columns of frequency, got "
+            f"{_shown(table)!r}, expected one named 'freq' or 'frequency' [Hz]. Rename it in "
+            "the header; raw accelerations have to be made a spectrum first."
         )
     return places[0]
 
 
-def _places_of_density(path: pathlib.Path, names: list[str], column: str | None) -> list[int]:
-    densities = [n for n, name in enumerate(names) if _DENSITY.fullmatch(name)]
-    chosen = column or (_TOTAL if _TOTAL in names else None)
-    if chosen is not None:
-        densities = [n for n, name in enumerate(names) if name == chosen]
-    if not densities:
+def _shown(table: SpectrumTable) -> str:
+    return ",".join(table.header)[:80]
+
+
+def _named(
+    table: SpectrumTable, labels: list[Label], column: str | Sequence[str]
+) -> list[_Sensor]:
+    """The columns that were asked for."""
+    sensors = []
+    for name in (column,) if isinstance(column, str) else column:
+        places = [n for n, each in enumerate(labels) if name in (each.name, each.text)]
+        if not places:
+            raise ValueError(_no_density(table, name))
+        sensors += [_Sensor(labels[place].name, (place,)) for place in places]
+    return sensors
+
+
+def _sensors(table: SpectrumTable, labels: list[Label]) -> list[_Sensor]:
+    """Every sensor of a file: its totals, else the sum of its axes."""
+    places = [n for n, each in enumerate(labels) if each.sensor is not None]
+    if not places:
+        raise ValueError(_no_density(table, "psd…"))
+    sensors = []
+    for name in dict.fromkeys(labels[place].sensor for place in places):
+        every = [place for place in places if labels[place].sensor == name]
+        totals = [place for place in every if not labels[place].axis]
+        if totals:
+            sensors += [_Sensor(labels[place].name, (place,)) for place in totals]
+            continue
+        axes = [labels[place].axis for place in every]
+        if len(set(axes)) < len(axes):
+            raise ValueError(
+                f"{table.path}, row {table.line}: an axis twice, got {_shown(table)!r}, "
+                "expected one column an axis. Give each sensor's columns its name, such as "
+                "'psd_x hotend'."
+            )
+        _check_one_unit(table, [labels[place] for place in every])
+        sensors.append(_Sensor(" + ".join(labels[p].name for p in every), tuple(every)))
+    return sensors
+
+
+def _no_density(table: SpectrumTable, name: str) -> str:
+    return (
+        f"{table.path}, row {table.line}: no column {name!r}, got {_shown(table)!r}, expected "
+        "a power spectral density such as 'psd_xyz'. Name the column with `--column`."
+    )
+
+
+def _check_one_unit(table: SpectrumTable, summed: list[Label]) -> None:
+    if len({each.unit for each in summed}) > 1:
         raise ValueError(
-            f"{path}, row 1: no column {chosen or 'psd…'!r}, got {','.join(names)[:80]!r}, "
-            "expected a power spectral density such as 'psd_xyz'. Name the column with "
-            "`--column`."
+            f"{table.path}, row {table.line}: axes in several units, got "
+            f"{','.join(each.text for each in summed)!r}, expected one unit. Convert them, or "
+            "name one column with `--column`."
         )
-    return densities
+
+
+def _converted(
+    table: SpectrumTable, labels: list[Label], at: int, sensors: list[_Sensor]
+) -> tuple[Numbers, Float[np.ndarray, "sensors bins"]]:
+    """Frequencies [Hz] and a density for each sensor, to a constant factor."""
+    places = list(dict.fromkeys([at, *(p for sensor in sensors for p in sensor.places)]))
+    try:
+        _, factor = frequency_unit(labels[at])
+        conversions = {place: density_conversion(labels[place])[1] for place in places[1:]}
+    except ValueError as error:
+        raise ValueError(f"{table.path}, row {table.line}: {error}") from None
+    numbers = dict(zip(places, _numbers(table, labels, places).T, strict=True))
+    densities = [
+        sum(conversions[place](numbers[place]) for place in sensor.places) for sensor in sensors
+    ]
+    return numbers[at] * factor, np.array(densities)
 
 
 def _numbers(
-    path: pathlib.Path, header: list[str], rows: list[list[str]], places: list[int]
+    table: SpectrumTable, labels: list[Label], places: list[int]
 ) -> Float[np.ndarray, "bins columns"]:
     faults, numbers = [], []
-    for line, row in enumerate(rows, start=2):
-        if len(row) != len(header):
-            faults.append(f"row {line}: {len(row)} cells, expected {len(header)}")
+    for line, row in table.rows:
+        if len(row) != len(table.header):
+            faults.append(f"row {line}: {len(row)} cells, expected {len(table.header)}")
             continue
         values = [_number(row[place]) for place in places]
         faults += [
-            f"row {line}, column {header[place]!r}: got {row[place]!r}"
+            f"row {line}, column {labels[place].text!r}: got {row[place]!r}"
             for place, value in zip(places, values, strict=True)
-            if not (math.isfinite(value) and value >= 0)
+            if not _is_possible(value, labels[place])
         ]
         numbers.append(values)
     if faults:
         rest = len(faults) - _REPORTED
         listed = faults[:_REPORTED] + ([f"and {rest} more"] if rest > 0 else [])
         raise ValueError(
-            f"{path}: {'; '.join(listed)}, expected finite numbers, not negative, in every "
-            "row. The decimal point is '.'; mend these rows or export the spectrum again."
+            f"{table.path}: {'; '.join(listed)}, expected finite numbers, not negative, in "
+            "every row. The decimal point is '.'; mend these rows or export the spectrum again."
         )
-    return np.array(numbers).reshape(-1, len(places))
+    return np.array(numbers, dtype=float).reshape(-1, len(places))
 
 
 def _number(cell: str) -> float:
@@ -164,23 +232,101 @@ def _number(cell: str) -> float:
         return math.nan
 
 
-def _check(
-    path: pathlib.Path,
-    frequency: Float[np.ndarray, " bins"],
-    density: Float[np.ndarray, " bins"],
-    name: str,
-) -> None:
+def _is_possible(value: float, column: Label) -> bool:
+    if is_level(column):
+        return abs(value) <= _HIGHEST_LEVEL
+    return math.isfinite(value) and value >= 0
+
+
+def _check_frequency(table: SpectrumTable, frequency: Numbers, name: str) -> None:
     back = np.flatnonzero(np.diff(frequency) <= 0)
     if back.size:
-        row = int(back[0]) + 3
+        line = table.rows[int(back[0]) + 1][0]
         raise ValueError(
-            f"{path}, row {row}, column {name!r}: got {frequency[back[0] + 1]:g} after "
+            f"{table.path}, row {line}, column {name!r}: got {frequency[back[0] + 1]:g} after "
             f"{frequency[back[0]]:g}, expected frequencies that increase [Hz]. Sort the rows, "
             "and give each frequency once."
         )
-    if frequency.size < _FEWEST or not density.max(initial=0) > 0:
+    if frequency.size < _FEWEST:
         raise ValueError(
-            f"{path}: got {frequency.size} bins of highest density "
-            f"{density.max(initial=0):g}, expected at least {_FEWEST} and vibration in them. "
-            "Record the spectrum again."
+            f"{table.path}: got {frequency.size} bins of frequency, expected at least "
+            f"{_FEWEST} and vibration in them. Record the spectrum again."
         )
+
+
+def _check_vibration(
+    path: pathlib.Path,
+    sensors: list[_Sensor],
+    densities: Float[np.ndarray, "sensors bins"],
+    lowest: float,
+) -> None:
+    for sensor, density in zip(sensors, densities, strict=True):
+        shaking = np.count_nonzero(density)
+        if not shaking:
+            raise ValueError(
+                f"{path}, column {sensor.name!r}: got the highest density 0, expected "
+                "vibration. Record the spectrum again; the sensor may not have been connected."
+            )
+        if shaking < _FEWEST:
+            raise ValueError(
+                f"{path}, column {sensor.name!r}: {shaking} bins above {lowest:g} Hz with "
+                f"vibration, expected at least {_FEWEST}. Record a longer shake, or lower "
+                "`--lowest`."
+            )
+
+
+def _frequencies(column: Label) -> str:
+    unit, factor = frequency_unit(column)
+    stated = "" if column.unit else ", which its header doesn't say"
+    converted = "" if factor == 1 else " and was converted to Hz"
+    return f"Column {column.text!r} is the frequency; it is in {unit}{stated}{converted}."
+
+
+def _taken(
+    labels: list[Label], sensors: list[_Sensor], shaper: str | None, asked: bool | None
+) -> str:
+    """How the densities were taken, and why."""
+    if asked is not None:
+        how, why = ("as they are" if asked else "over the frequency"), "as was asked for"
+    elif shaper is not None:
+        how = "as they are"
+        why = f"since column {shaper!r} says that they were divided by the frequency"
+    else:
+        how = "over the frequency"
+        why = "since no column of a shaper says that they are already (then `--normalised`)"
+    units = [labels[sensor.places[0]].unit for sensor in sensors]
+    columns = ", ".join(
+        f"{sensor.name} [{unit}]" if unit else sensor.name
+        for sensor, unit in zip(sensors, units, strict=True)
+    )
+    several = (
+        f" of {len(sensors)} sensors, the worst of which counts," if len(sensors) > 1 else ""
+    )
+    return f"Densities{several} from {columns}: taken {how}, {why}."
+
+
+def _unused(labels: list[Label], sensors: list[_Sensor], at: int) -> list[str]:
+    """What no sensor's total explains."""
+    used = {at, *itertools.chain.from_iterable(sensor.places for sensor in sensors)}
+    rest = [
+        each.text
+        for place, each in enumerate(labels)
+        if place not in used and each.text and not each.is_shaper and not each.axis
+    ]
+    return [f"Columns that aren't used: {', '.join(rest)}."] if rest else []
+
+
+def _rising(spectrum: Spectrum, sensors: list[_Sensor]) -> list[str]:
+    """Whether a spectrum ends on the way up: then there is a peak that it doesn't show."""
+    notes, last = [], spectrum.frequency[-1]
+    for sensor, power in zip(sensors, spectrum.by_sensor, strict=True):
+        tail = power[-max(4, round(_TAIL * power.size)) :]
+        first, second = np.array_split(tail, 2)
+        rises = power[-1] >= tail.max() and second.mean() > first.mean()
+        if rises and power[-1] > THRESHOLD:
+            notes.append(
+                f"{sensor.name} still rises at the last bin, {last:.4g} Hz, to "
+                f"{100 * power[-1]:.0f} % of its peak: what is above isn't in the file, and "
+                "no shaper here is for it. Record up to higher frequencies."
+            )
+    return notes

@@ -40,15 +40,19 @@ def shaped_spectrum(spectrum: Spectrum, shapers: Sequence[NamedShaper]) -> Figur
     power, left = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0])
     impulses = figure.add_subplot(grid[:, 1])
     power.sharex(left)
-    power.fill_between(spectrum.frequency, spectrum.power, color=style.SKY, alpha=0.35, lw=0)
-    power.plot(spectrum.frequency, spectrum.power, color=style.BLUE, lw=1.6, label="measured")
+    for number, measured in enumerate(spectrum.by_sensor):
+        power.fill_between(spectrum.frequency, measured, color=style.SKY, alpha=0.35, lw=0)
+        named = {} if number else {"label": "measured"}
+        power.plot(spectrum.frequency, measured, color=style.BLUE, lw=1.6, **named)
     power.axhline(THRESHOLD, color=style.GREY, ls=(0, (2, 2)), lw=1)
     fine = np.linspace(float(spectrum.frequency[0]), float(spectrum.frequency[-1]), _POINTS)
     for (color, dashes), named in zip(_STYLES, shapers, strict=False):
         curve = 100 * named.residual(fine)
         left.plot(fine, curve, color=color, ls=dashes, label=named.name)
-        after = spectrum.power * named.residual(spectrum.frequency)
-        power.plot(spectrum.frequency, after, color=color, ls=dashes, label=named.name)
+        after = spectrum.by_sensor * named.residual(spectrum.frequency)
+        power.plot(
+            spectrum.frequency, after.max(axis=0), color=color, ls=dashes, label=named.name
+        )
         times = 1e3 * np.asarray(named.shaper.times)
         amplitudes = np.asarray(named.shaper.amplitudes)
         impulses.vlines(times, 0, amplitudes, color=color, lw=2.2).set_linestyle(dashes)

@@ -14,20 +14,22 @@ def shape(
     max_duration: str | None = None,
     max_vibration: str | None = None,
     damping_ratio: float = 0.1,
-    column: str | None = None,
+    column: tuple[str, ...] = (),
     normalised: bool | None = None,
     lowest: str = "0 Hz",
 ) -> int:
     """Design the shaper for a measured spectrum, beside every shaper of the catalogue.
 
     Args:
-        spectrum: CSV file with a column freq [Hz] and densities such as psd_xyz.
+        spectrum: CSV file with a column freq [Hz] and densities such as psd_xyz, or one for
+            each of several sensors, the worst of which counts.
         out: Folder for shaper.json and shaper.html.
         max_duration: The longest that the shaper may be, "20 ms": the one that leaves least.
         max_vibration: The most that it may leave, "1 %": the shortest that does.
         damping_ratio: Damping ratio that the catalogue's shapers are designed for; all are
             judged at three quarters, once and one and a half times that.
-        column: Column of the densities; default: psd_xyz, else the sum of those there are.
+        column: Column of the densities, again for each further sensor; default: each
+            sensor's total psd_xyz, else the sum of its axes.
         normalised: Whether the densities are divided by the frequency already; default:
             they are if the header has columns of shapers, such as mzv(48.4).
         lowest: Frequencies below this are left out.
@@ -49,7 +51,7 @@ def shape(
         )
     file = read_spectrum(
         spectrum,
-        column=column,
+        column=column or None,
         normalised=normalised,
         lowest=parse_quantity(lowest, unit="Hz", name="--lowest"),
     )
@@ -65,7 +67,7 @@ def shape(
     result, report = out / "shaper.json", out / "shaper.html"
     write_whole(result, shaper_document(file, designed))
     write_whole(report, shaper_report.shaper_page(file, designed))
-    shaper_report.show(OUT, designed)
+    shaper_report.show(OUT, file, designed)
     wrote(result, report)
     suggest(f"open {report}")
     short = most is not None and designed.recommended.residual > most

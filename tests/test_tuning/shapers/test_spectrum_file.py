@@ -83,3 +83,122 @@ def test_what_is_no_spectrum_is_refused_with_one_message(write, content, message
 def test_an_unknown_column_is_refused(write):
     with pytest.raises(ValueError, match=r"no column 'psd_q', got .* Name the column"):
         read_spectrum(write(text()), column="psd_q")
+
+
+TWO = FREQUENCY * (1 + 9 * np.exp(-((FREQUENCY - 10) ** 2) / 20))
+
+
+def sensors(header="freq,adxl345 hotend,adxl345 bed"):
+    rows = [f"{f},{a},{b}" for f, a, b in zip(FREQUENCY, DENSITY, TWO, strict=True)]
+    return text(header, rows)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "freq,adxl345 hotend,adxl345 bed",
+        'freq,"adxl345, hotend",adxl345 bed',
+        "freq,psd_xyz hotend,psd_xyz bed",
+        "freq,psd_xyz,psd_xyz",
+    ],
+)
+def test_several_sensors_are_kept_apart(write, header):
+    read = read_spectrum(write(sensors(header)))
+    assert read.spectrum.peaks == (20.0, 10.0)
+    assert "2 sensors, the worst of which counts" in read.notes[1]
+
+
+def test_an_axis_twice_is_refused(write):
+    with pytest.raises(ValueError, match=r"row 1: an axis twice, .* Give each sensor's"):
+        read_spectrum(write(sensors("freq,psd_x,psd_x")))
+
+
+def test_axes_in_two_units_are_refused(write):
+    with pytest.raises(ValueError, match=r"row 1: axes in several units, .* Convert them"):
+        read_spectrum(write(sensors("freq,psd_x [g^2/Hz],psd_y [(m/s^2)^2/Hz]")))
+
+
+def test_a_sensor_that_shows_nothing_is_refused(write):
+    rows = [f"{f},{d},0" for f, d in zip(FREQUENCY, DENSITY, strict=True)]
+    with pytest.raises(ValueError, match=r"column 'adxl345 bed': got the highest density 0"):
+        read_spectrum(write(text("freq,adxl345 hotend,adxl345 bed", rows)))
+
+
+def test_frequencies_are_converted_and_that_is_told(write):
+    read = read_spectrum(write(text("freq [kHz],psd_x,psd_y,psd_z,psd_xyz")))
+    assert read.spectrum.frequency[0] == 2000.0
+    assert "in kHz and was converted to Hz" in read.notes[0]
+
+
+def test_an_unknown_unit_is_refused_with_its_place(write):
+    with pytest.raises(ValueError, match=r"csv, row 1: the unit of column 'freq \[s\]"):
+        read_spectrum(write(text("freq [s],psd_x,psd_y,psd_z,psd_xyz")))
+
+
+def test_levels_are_read_as_powers(write):
+    levels = 10 * np.log10(np.maximum(DENSITY, 1e-9))
+    rows = [f"{f},{level}" for f, level in zip(FREQUENCY, levels, strict=True)]
+    read = read_spectrum(write(text("freq,psd_x [dB]", rows)))
+    expected = DENSITY[1:] / FREQUENCY[1:]
+    assert np.allclose(read.spectrum.power, expected / expected.max(), rtol=1e-12)
+
+
+@pytest.mark.parametrize("column", ["shapers:", "zv(48.0)", "3hump_ei (60.2 Hz)", "smooth_ei"])
+def test_any_column_of_a_shaper_means_normalised_densities(write, column):
+    rows = [f"{f},{d},1.0" for f, d in zip(FREQUENCY, DENSITY, strict=True)]
+    read = read_spectrum(write(text(f"freq,psd_xyz,{column}", rows)))
+    assert read.was_normalised
+    assert f"as they are, since column {column!r}" in read.notes[1]
+
+
+def test_how_densities_are_taken_is_told(write):
+    content = text()
+    assert "over the frequency, since no column" in read_spectrum(write(content)).notes[1]
+    asked = read_spectrum(write(content), normalised=True)
+    assert "as they are, as was asked for" in asked.notes[1]
+
+
+def test_a_spectrum_that_still_rises_is_told(write):
+    rising = text().splitlines()[: 1 + 10]  # up to 18 Hz, the peak is at 20
+    (note,) = read_spectrum(write("\n".join(rising))).notes[2:]
+    assert "psd_xyz still rises at the last bin, 18 Hz, to 100 % of its peak" in note
+    assert len(read_spectrum(write(text())).notes) == 2
+
+
+def test_comments_and_trailing_commas_are_read_over(write):
+    plain = read_spectrum(write(text())).spectrum
+    lines = text().splitlines()
+    commented = "\n".join(["# accel_per_hz: 75", "", *(f"{line}," for line in lines)])
+    marked = "\n".join(["# a shake", "#" + lines[0], *lines[1:]])
+    for content in (commented, marked):
+        assert np.array_equal(read_spectrum(write(content)).spectrum.power, plain.power)
+
+
+GERMAN = text().replace(",", ";").replace(".", ",")
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (GERMAN, r"row 1: the separator is ';' and the decimal point ',', got .* Export .*`tr"),
+        (text().replace(",", ";"), r"the separator is ';', got .*`tr ';' ','"),
+        (text().replace(",", "\t"), r"the separator is a tab, got"),
+        (
+            "freq,psd_xyz\n" + "1,5,1503,32\n" * 9,
+            r"row 2: the decimal point is ',', got '1,5,1503,32' below 'freq,psd_xyz'",
+        ),
+        ('freq,psd_xyz\n"1,5","3,2"\n', r"row 2: the decimal point is ','"),
+        ("# only a remark\n", r"0 columns of frequency"),
+        ("freq,psd_xyz\n1," + "1" * 140_000, r"row 2: field larger than field limit"),
+    ],
+)
+def test_another_separator_is_named(write, content, message):
+    with pytest.raises(ValueError, match=message):
+        read_spectrum(write(content))
+
+
+def test_rows_are_counted_as_an_editor_does(write):
+    lines = text().splitlines()
+    content = "\n".join(["# a remark", "", *lines[:3], "", "5,x,1,1,1"])
+    with pytest.raises(ValueError, match=r"row 7, column 'psd_x': got 'x'"):
+        read_spectrum(write(content), column="psd_x")

@@ -62,7 +62,9 @@ def least_residual(
     starts = [s for s in starts if float(s.duration) <= duration * (1 + _ROUNDING)]
     if float(on_grid.value) <= GAP:
         # Many shapers leave nothing; the shortest is the one with the fewest impulses.
-        shortest = least_duration(criterion, bound=NOTHING_LEFT, longest=duration)
+        shortest = least_duration(
+            criterion, bound=NOTHING_LEFT, starts=starts, longest=duration
+        )
         return _best(criterion, [shortest.shaper, *starts], 0.0)
     candidates = [*_impulses(np.asarray(on_grid.x), duration), *starts]
     ranked = sorted(candidates, key=lambda shaper: float(criterion(shaper)))
@@ -96,7 +98,7 @@ def least_duration(
         ValueError: If even a shaper of many periods leaves more.
     """
     # What leaves a little may leave nothing by the convex program, which stops `GAP` short.
-    bound = max(bound, NOTHING_LEFT)
+    bound, starts = max(bound, NOTHING_LEFT), list(starts)
     low, residual_low, high = (
         0.0,
         1.0,
@@ -110,6 +112,8 @@ def least_duration(
         else:
             low, residual_low = middle, residual
     best = _on_the_way(criterion, high, low)
+    if not best.residual <= bound:
+        best = _stretched(criterion, starts, high, best)
     for _ in range(_TRIES):
         if best.residual <= bound:
             break
@@ -132,6 +136,8 @@ def least_duration(
             low, residual_low = middle, residual
     kept = [shaper for shaper in starts if float(criterion(shaper)) <= bound]
     shaper = min([best.shaper, *kept], key=lambda shaper: float(shaper.duration))
+    fewer = _without_small(criterion, shaper)
+    shaper = fewer if float(criterion(fewer)) <= bound else shaper
     return _best(criterion, [shaper], best.lower_bound)
 
 
@@ -148,6 +154,34 @@ def _on_the_way(criterion: Criterion, duration: float, shorter: float) -> Design
     return _best(criterion, [refined(criterion, s) for s in starts], float(on_grid.lower_bound))
 
 
+def _stretched(
+    criterion: Criterion, starts: list[Shaper], duration: float, design: Design
+) -> Design:
+    """The best of a design and of other shapers, brought to its duration and refined.
+
+    Where many shapers leave nothing, the grid's hills may stand for none of the few impulses
+    that do; a shaper of the catalogue has the right number of them.
+    """
+    scaled = [
+        Shaper(duration / float(s.duration) * s.times, s.amplitudes)
+        for s in starts
+        if float(s.duration) > 0
+    ]
+    ranked = sorted(scaled, key=lambda shaper: float(criterion(shaper)))
+    moved = [refined(criterion, shaper) for shaper in ranked[:2]]
+    return _best(criterion, [design.shaper, *moved], design.lower_bound)
+
+
+def _without_small(criterion: Criterion, shaper: Shaper) -> Shaper:
+    """A shaper without impulses that hardly count, and refined again."""
+    times, amplitudes = np.asarray(shaper.times), np.asarray(shaper.amplitudes)
+    counts = (amplitudes > _LEAST_AMPLITUDE) | np.isin(times, (times[0], times[-1]))
+    if counts.all():
+        return shaper
+    sizes = amplitudes[counts]
+    return refined(criterion, Shaper(times[counts], sizes / sizes.sum()))
+
+
 def _on_all_instants(criterion: Criterion, duration: float) -> Design:
     """The grid's shaper as it is, an impulse at every instant."""
     on_grid = _on_grid(criterion, jnp.asarray(duration))
@@ -157,7 +191,12 @@ def _on_all_instants(criterion: Criterion, duration: float) -> Design:
 
 
 def _best(criterion: Criterion, shapers: list[Shaper], lower_bound: float) -> Design:
-    best = min(shapers, key=lambda shaper: float(criterion(shaper)))
+    """The one that leaves least; of those that leave nothing, the one with fewest impulses."""
+
+    def order(shaper: Shaper) -> tuple[float, int]:
+        return max(float(criterion(shaper)), NOTHING_LEFT), shaper.times.size
+
+    best = min(shapers, key=order)
     return Design(best, float(criterion(best)), max(lower_bound, 0.0))
 
 
