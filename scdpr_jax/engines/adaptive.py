@@ -24,11 +24,12 @@ from jaxtyping import Array, Float, Int
 from scdpr_jax import native
 from scdpr_jax.command.controller import Controller
 from scdpr_jax.command.sensors import Encoder
+from scdpr_jax.engines.arguments import check_finite, check_shape, check_start
 from scdpr_jax.engines.closed_loop import ClosedLoop, sampled_loop
 from scdpr_jax.engines.stepping import Inputs
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import accelerations
-from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.fields import concrete, refuse, si
 from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import State
@@ -90,10 +91,12 @@ def simulate_smooth(
 
     Raises:
         TypeError: If a carriage has exact `Coulomb` friction.
+        ValueError: If a shape is another, times go back, or a number isn't finite.
         RuntimeError: If the solver gives up; under `equinox.filter_jit` too, while plain
             `jax.jit` wraps the same message in an error of its own.
     """
     _require_smooth(robot)
+    check_start(robot, start)
     method = Adaptive() if method is None else method
     solution = _solve(
         lambda inputs: _equations(robot, inputs),
@@ -275,6 +278,9 @@ def _solve(
     method: Adaptive,
 ) -> diffrax.Solution:
     """The solution, whole or given up, of equations under held inputs."""
+    times = _check_inputs(voltage, times, knock)
+    check_shape(save_at, ("saved",), name="save_at", unit="s")
+    check_finite(save_at, name="save_at", unit="s")
     knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
 
     def inputs(time: Float[Array, ""]) -> tuple[Float[Array, "2"], Float[Array, ""]]:
@@ -296,6 +302,28 @@ def _solve(
         adjoint=method.adjoint,
         throw=False,
     )
+
+
+def _check_inputs(
+    voltage: Float[Array, "intervals 2"],
+    times: Float[Array, " intervals+1"],
+    knock: Float[Array, " intervals"] | None,
+) -> Float[Array, " intervals+1"]:
+    """Refuse inputs that can't be; the times, NaN where they are traced and go back."""
+    check_shape(voltage, ("n", 2), name="voltage", unit="V")
+    check_finite(voltage, name="voltage", unit="V")
+    intervals = jnp.shape(voltage)[0]
+    check_shape(times, (intervals + 1,), name="times", unit="s")
+    check_finite(times, name="times", unit="s")
+    if knock is not None:
+        check_shape(knock, (intervals,), name="knock", unit="N")
+        check_finite(knock, name="knock", unit="N")
+    known = concrete(times)
+    message = (
+        "`times` must ascend [s], got some that go back. Sort the rows by time, and give each "
+        "instant once."
+    )
+    return refuse(times, (known[1:] < known[:-1]).any(), message)
 
 
 def _equations(robot: Robot, inputs: _Inputs) -> _Field[State]:

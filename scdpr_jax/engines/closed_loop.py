@@ -16,6 +16,7 @@ from jaxtyping import Array, Float
 from scdpr_jax import native
 from scdpr_jax.command.controller import Controller, saturate
 from scdpr_jax.command.sensors import Encoder, read_encoder
+from scdpr_jax.engines.arguments import check_finite, check_shape, check_start
 from scdpr_jax.engines.stepping import Inputs, step, with_start
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.kinematics import inverse_kinematics
@@ -69,7 +70,7 @@ def closed_loop(
 
     Raises:
         TypeError: If a carriage has another friction law.
-        ValueError: If the delay is negative.
+        ValueError: If the delay is negative, a shape is another, or a number isn't finite.
     """
     return sampled_loop(
         step,
@@ -116,13 +117,14 @@ def sampled_loop(
         States at the samples and commands between them.
 
     Raises:
-        ValueError: If the delay is negative.
+        ValueError: If the delay is negative, a shape is another, or a number isn't finite.
     """
     if delay_samples < 0:
         raise ValueError(
             f"`delay_samples` must be 0 or more [samples], got {delay_samples}: a command "
             "can't come before its sample."
         )
+    _check(robot, start, reference, feedforward, knock)
     period = jnp.asarray(controller.period, dtype=start.position.dtype)
     intervals = reference.shape[0] - 1
     if knock is None:
@@ -142,6 +144,31 @@ def sampled_loop(
         states=with_start(start, states),
         voltage=voltage,
     )
+
+
+def _check(
+    robot: Robot,
+    start: State,
+    reference: Float[Array, "samples 2"],
+    feedforward: Float[Array, "samples 2"] | None,
+    knock: Float[Array, " samples-1"] | None,
+) -> None:
+    """Refuse what can't be a run: one row for each sample, one knock fewer."""
+    check_start(robot, start)
+    check_shape(reference, ("samples", 2), name="reference", unit="m")
+    samples = jnp.shape(reference)[0]
+    if samples < 1:
+        raise ValueError(
+            "`reference` must have one sample at least [m], got none. Its first row is where "
+            "the controller is switched on."
+        )
+    check_finite(reference, name="reference", unit="m")
+    if feedforward is not None:
+        check_shape(feedforward, (samples, 2), name="feedforward", unit="V")
+        check_finite(feedforward, name="feedforward", unit="V")
+    if knock is not None:
+        check_shape(knock, (samples - 1,), name="knock", unit="N")
+        check_finite(knock, name="knock", unit="N")
 
 
 class _Loop(eqx.Module):

@@ -21,12 +21,14 @@ from jaxtyping import Array, Float
 from scdpr_jax import native
 from scdpr_jax.contacts.linear import AssumedFriction, Start, carriage, pulleys
 from scdpr_jax.contacts.response import departed
+from scdpr_jax.engines.arguments import check_finite, check_shape, check_start
 from scdpr_jax.engines.propagator import Propagator, propagator
 from scdpr_jax.engines.stepping import with_start
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import drive_forces, masses
+from scdpr_jax.robot.fields import concrete, real, refuse
 from scdpr_jax.robot.parameters import Robot
-from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, X
+from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, X, possible_height
 
 
 def simulate_linear(
@@ -59,19 +61,40 @@ def simulate_linear(
 
     Raises:
         TypeError: If a carriage has another friction law.
-        ValueError: If `substeps` is below 1.
+        ValueError: If `substeps` is below 1, a shape is another, the height isn't within the
+            frame, the interval isn't above zero, or a number isn't finite.
     """
     if substeps < 1:
         raise ValueError(
             f"`substeps` must be 1 or more [steps in an interval], got {substeps}. Take 1 for "
             "inputs every 5 ms, 5 for inputs every 25 ms."
         )
+    check_start(robot, start)
+    check_shape(voltage, ("n", 2), name="voltage", unit="V")
+    check_finite(voltage, name="voltage", unit="V")
+    if knock is not None:
+        check_shape(knock, jnp.shape(voltage)[:1], name="knock", unit="N")
+        check_finite(knock, name="knock", unit="N")
+    height = possible_height(robot, height)
     tables = propagator(
-        robot, height=height, duration=interval / substeps, rubbing_drives=rubbing_drives
+        robot,
+        height=height,
+        duration=_positive(interval) / substeps,
+        rubbing_drives=rubbing_drives,
     )
     pushes = _accelerations(robot, voltage, knock)
     _, states = native.run(_advance, _Interval(tables, substeps), start, pushes)
     return with_start(start, states)
+
+
+def _positive(interval: Float[Array, ""]) -> Float[Array, ""]:
+    check_shape(interval, (), name="interval", unit="s")
+    message = (
+        "`interval` must be above zero and finite [s], got one that isn't. Give the time "
+        "between two rows of the inputs."
+    )
+    known = concrete(real(interval))
+    return refuse(interval, ~((known > 0) & (known < jnp.inf)), message)
 
 
 class _Interval(eqx.Module):

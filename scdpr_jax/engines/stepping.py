@@ -33,6 +33,12 @@ from scdpr_jax.contacts.branches import PAIR, Pair, Three, act, less
 from scdpr_jax.contacts.motion import Assumed
 from scdpr_jax.contacts.polynomial import Cubic, Quadratic, cubic_between
 from scdpr_jax.contacts.response import Response, departed
+from scdpr_jax.engines.arguments import (
+    check_finite,
+    check_shape,
+    check_start,
+    possible_duration,
+)
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import dampings, masses, smooth_forces
@@ -54,6 +60,18 @@ class Inputs(eqx.Module):
     knock: Float[Array, "..."] = eqx.field(converter=real, metadata=si("N", "F"))
     """Horizontal force on the end-effector [N]."""
 
+    def __check_init__(self):
+        rows = jnp.shape(self.voltage)[:-1]
+        check_shape(self.voltage, (*rows, 2), name="voltage", unit="V")
+        for name, unit in (("duration", "s"), ("knock", "N")):
+            lengths = jnp.shape(getattr(self, name))
+            # One number stands for all intervals.
+            if lengths:
+                check_shape(getattr(self, name), rows, name=name, unit=unit)
+        possible_duration(self.duration)
+        check_finite(self.voltage, name="voltage", unit="V")
+        check_finite(self.knock, name="knock", unit="N")
+
 
 def simulate(robot: Robot, start: State, inputs: Inputs) -> State:
     """Trajectory of the robot on the grid of its inputs.
@@ -68,9 +86,33 @@ def simulate(robot: Robot, start: State, inputs: Inputs) -> State:
 
     Raises:
         TypeError: If a carriage has another friction law.
+        ValueError: If a shape is another, a duration is negative, or a number isn't finite or
+            can't be a robot's; a negative duration that is traced gives NaN.
     """
-    _, states = native.run(_advance, robot, start, inputs)
+    check_start(robot, start)
+    _, states = native.run(_advance, robot, start, possible_inputs(inputs))
     return with_start(start, states)
+
+
+def possible_inputs(inputs: Inputs) -> Inputs:
+    """Inputs of a time grid, a row for each interval.
+
+    Args:
+        inputs: The inputs.
+
+    Returns:
+        The inputs; durations are NaN where they are traced and one is negative.
+
+    Raises:
+        ValueError: If a shape is another, a duration is negative, or a number isn't finite.
+    """
+    rows = jnp.shape(inputs.duration)[:1]
+    check_shape(inputs.duration, ("n",), name="duration", unit="s")
+    check_shape(inputs.voltage, (*rows, 2), name="voltage", unit="V")
+    check_shape(inputs.knock, rows, name="knock", unit="N")
+    check_finite(inputs.voltage, name="voltage", unit="V")
+    check_finite(inputs.knock, name="knock", unit="N")
+    return Inputs(possible_duration(inputs.duration), inputs.voltage, inputs.knock)
 
 
 def with_start(start: _Run, following: _Run) -> _Run:
@@ -135,7 +177,16 @@ def step(robot: Robot, state: State, inputs: Inputs) -> State:
 
     Raises:
         TypeError: If a carriage has another friction law.
+        ValueError: If a shape is another.
     """
+    for value, shape, name, unit in (
+        (state.position, (5,), "state.position", "m, rad"),
+        (state.velocity, (5,), "state.velocity", "m/s, rad/s"),
+        (inputs.duration, (), "duration", "s"),
+        (inputs.voltage, (2,), "voltage", "V"),
+        (inputs.knock, (), "knock", "N"),
+    ):
+        check_shape(value, shape, name=name, unit=unit)
     stages = _runge_kutta(robot, state, inputs)
     responses = _responses(robot, state, inputs)
     mass = masses(robot)

@@ -16,7 +16,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax import native
-from scdpr_jax.engines.stepping import Inputs, step, with_start
+from scdpr_jax.engines.arguments import check_shape, check_start
+from scdpr_jax.engines.stepping import Inputs, possible_inputs, step, with_start
 from scdpr_jax.numerics.lean_scan import lean_scan
 from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.loop_elasticity import lengthening
@@ -79,7 +80,11 @@ def simulate_tensioned(
 
     Raises:
         TypeError: If a carriage has another friction law.
+        ValueError: If a shape is another, a duration is negative, or a number isn't finite.
     """
+    check_start(robot, start)
+    inputs = possible_inputs(inputs)
+    check_shape(creep, (jnp.shape(inputs.duration)[0] + 1,), name="creep", unit="m")
     reference = lengthening(robot, start.position) - creep[0]
 
     def tension(

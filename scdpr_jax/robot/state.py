@@ -6,13 +6,14 @@ them. Every array of them has its coordinates along the last axis, in this order
 """
 
 from collections.abc import Mapping
+from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.robot.fields import real, si
+from scdpr_jax.robot.fields import concrete, real, refuse, si
 from scdpr_jax.robot.parameters import Robot
 
 X, TILT, LOWER, UPPER, HEIGHT = range(5)
@@ -75,6 +76,41 @@ def with_coordinates(
     return jnp.stack([others.get(i, value) for i, value in enumerate(jnp.unstack(vector))])
 
 
+def possible_height(robot: Robot, height: Float[Array, ""]) -> Float[Array, ""]:
+    """A height of the end-effector's centre between the frame's guides.
+
+    Args:
+        robot: The robot.
+        height: The height [m].
+
+    Returns:
+        The height; NaN where it is traced and isn't within the frame.
+
+    Raises:
+        ValueError: If it is known not to be within the frame.
+    """
+    height = _one_place(height, "height")
+    known, top = concrete(height), concrete(robot.frame.height)
+    message = (
+        "`height` of the end-effector must be within the frame [m], got one that isn't: above "
+        "the lower guide at 0 and below the upper one at the frame's height."
+    )
+    return refuse(height, ~((known >= 0) & (known <= top)), message)
+
+
+def _one_place(value: Any, name: str) -> Float[Array, ""]:
+    place = real(value)
+    if place.ndim:
+        raise ValueError(
+            f"`{name}` must be one number [m], got the shape {place.shape}. Put several poses "
+            "side by side with `jax.vmap`."
+        )
+    message = (
+        f"`{name}` must be finite [m], got a number that isn't. Give a place in the frame."
+    )
+    return refuse(place, ~(abs(concrete(place)) < np.inf), message)
+
+
 class State(eqx.Module):
     """Coordinates and velocities of the robot."""
 
@@ -126,7 +162,16 @@ def rest(
 
     Returns:
         State at rest.
+
+    Raises:
+        ValueError: If a place isn't one number, isn't finite, or the height isn't within the
+            frame; NaN where it is traced.
     """
+    lower, upper, height = (
+        _one_place(value, name)
+        for value, name in ((lower, "lower"), (upper, "upper"), (height, "height"))
+    )
+    height = possible_height(robot, height)
     slope = (lower - upper) / robot.frame.height
     position = jnp.stack([lower - slope * height, jnp.arctan(slope), lower, upper, height])
     return State(position, jnp.zeros_like(position))

@@ -118,5 +118,6 @@ def _check_decimal_point(path: pathlib.Path, cells: list[tuple[int, tuple[str, .
             raise ValueError(
                 f"{path}, row {number}: the decimal point is ',', got "
                 f"{','.join(row)[:_SHOWN]!r} below {','.join(header)[:_SHOWN]!r}, expected "
-                "the decimal point '.'. Export it as CSV with '.' (a spreadsheet does in English)."
+                "the decimal point '.'. Export it as CSV with it (a spreadsheet does in "
+                "English)."
             )
