@@ -94,8 +94,8 @@ def solve(
         ends.append(problem.minimise(start, iterations=15, decrement=1.0, progress=inner))
     if not ends:
         raise FloatingPointError(
-            "no robot explains these runs: no start of the fit has a finite simulation. A wrong "
-            "unit, sign or plug does that: see `scdpr check`."
+            "no robot explains these runs: no start of the fit has a finite simulation. A "
+            "wrong unit, sign or plug does that: see `scdpr check`."
         )
     point, done = min(ends, key=lambda end: end.normal.cost).point, 0
     for number in range(CORRECTIONS):

@@ -179,14 +179,10 @@ def step(robot: Robot, state: State, inputs: Inputs) -> State:
         TypeError: If a carriage has another friction law.
         ValueError: If a shape is another.
     """
-    for value, shape, name, unit in (
-        (state.position, (5,), "state.position", "m, rad"),
-        (state.velocity, (5,), "state.velocity", "m/s, rad/s"),
-        (inputs.duration, (), "duration", "s"),
-        (inputs.voltage, (2,), "voltage", "V"),
-        (inputs.knock, (), "knock", "N"),
-    ):
-        check_shape(value, shape, name=name, unit=unit)
+    check_shape(state.position, (5,), name="state.position", unit="m, rad")
+    check_shape(state.velocity, (5,), name="state.velocity", unit="m/s, rad/s")
+    check_shape(inputs.voltage, (2,), name="voltage", unit="V")
+    check_shape(inputs.knock, (), name="knock", unit="N")
     stages = _runge_kutta(robot, state, inputs)
     responses = _responses(robot, state, inputs)
     mass = masses(robot)
