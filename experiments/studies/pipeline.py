@@ -80,7 +80,7 @@ def calibrate(
     names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
-        compiled = aside.submit(prepare, consistent(), leg_times=leg_times, effort=effort)
+        compiled = aside.submit(prepare, consistent(), leg_times=leg_times)
         options = FitOptions(
             free=DEFAULT_FREE if free is None else free,
             hold_out=names,

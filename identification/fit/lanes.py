@@ -3,13 +3,13 @@
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
 from identification.data.record import MotorRecord, Record
+from scdpr_jax.native import kept_jit
 from scdpr_jax.numerics.side_by_side import kind_of, side_by_side
 from scdpr_jax.robot.parameters import Robot
 
@@ -19,7 +19,7 @@ RunFunction = Callable[[Robot, tuple[str, ...], Float[Array, " n"], Record], Res
 holds them with the run's circumstances, and the run."""
 
 
-@eqx.filter_jit
+@kept_jit
 def over_lanes(
     function: RunFunction[Result],
     robot: Robot,

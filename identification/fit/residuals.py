@@ -28,6 +28,9 @@ class Residuals(NamedTuple):
     """Of what is known of the circumstances before."""
 
 
+jax.export.register_namedtuple_serialization(Residuals, serialized_name="Residuals")
+
+
 class Motion(NamedTuple):
     """A run as the robot would do it, at the rows of the drive's stream."""
 

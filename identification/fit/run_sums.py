@@ -67,6 +67,9 @@ class RunSums(NamedTuple):
         return channels + self.prior_information
 
 
+jax.export.register_namedtuple_serialization(RunSums, serialized_name="RunSums")
+
+
 def motor_angles(
     robot: Robot, free: tuple[str, ...], unknown: Float[Array, " n"], record: MotorRecord
 ) -> Float[Array, "rows 2"]:

@@ -2,8 +2,10 @@
 
 `run` ← `primitive` (what JAX sees) ← `machine` (made, kept in `store`, made known to XLA) ←
 `handler`, `kernel` and `interface` (what XLA calls) ← `llvm_ir`, `c99` (printers) ← `scalar`
-(the step as a program of single numbers) ← `traced` (its jaxpr).
+(the step as a program of single numbers) ← `traced` (its jaxpr). `kept_jit` compiles functions
+with such runs in them, and keeps what was traced.
 """
 
+from .kept_programs import kept_jit as kept_jit
 from .running import run as run
 from .running import scan as scan

@@ -7,7 +7,6 @@ import platform
 import sys
 import threading
 from dataclasses import replace
-from typing import NamedTuple
 
 import jax
 
@@ -52,42 +51,64 @@ def handler_name(step: Step, moving: tuple[bool, ...], *, lanes: int) -> str:
         RuntimeError: If LLVM or XLA refuses the code.
         OSError: If the interface's header is missing.
     """
+    about = repr((step.name, moving, lanes)).encode()
+    name = HANDLER + hashlib.sha256(fingerprint() + about).hexdigest()[:40]
     with _one_at_a_time:
-        key = (step.name, moving, lanes)
-        if key not in _handlers:
-            _handlers[key] = _made(step, moving, lanes)
-        return _handlers[key].name
+        if name not in _handlers:
+            _handlers[name] = _registered(name, _emitted(step, moving, lanes, name))
+        return name
 
 
-class _Handler(NamedTuple):
-    """A handler that XLA knows."""
-
-    name: str
-    engine: object
-    """LLVM's, as long as which the code lives."""
-
-
+HANDLER = "run_"
+"""What the name of every handler begins with; forty hexadecimal digits follow."""
 _one_at_a_time = threading.Lock()
-_handlers: dict[tuple, _Handler] = {}
+_handlers: dict[str, object] = {}
+"""Engines of the handlers that XLA knows."""
 
 
-def _made(step: Step, moving: tuple[bool, ...], lanes: int) -> _Handler:
+def register_kept(name: str) -> bool:
+    """Makes a handler of an earlier process known to XLA, which a kept program calls.
+
+    Args:
+        name: The handler's name.
+
+    Returns:
+        Whether it is known now; not if its machine code isn't kept any more.
+
+    Raises:
+        ImportError: If there is no llvmlite.
+        RuntimeError: If LLVM or XLA refuses the code.
+    """
+    with _one_at_a_time:
+        if name not in _handlers:
+            code = store.kept(f"{name}.o")
+            if code is None:
+                return False
+            _handlers[name] = _registered(name, code)
+        return True
+
+
+def _emitted(step: Step, moving: tuple[bool, ...], lanes: int, name: str) -> bytes:
     import llvmlite.binding as llvm
 
-    processor = _processor()
-    about = repr((step.name, moving, lanes)).encode()
-    name = "run_" + hashlib.sha256(_fingerprint() + about).hexdigest()[:40]
-    code = store.kept(name)
+    code = store.kept(f"{name}.o")
     if code is None:
         text = handler_ir(kernel(step, moving, name=name, lanes=lanes))
-        code = processor.emit_object(llvm.parse_assembly(text))
-        store.keep(name, code)
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), processor)
+        code = _processor().emit_object(llvm.parse_assembly(text))
+        store.keep(f"{name}.o", code)
+    return code
+
+
+def _registered(name: str, code: bytes) -> object:
+    """LLVM's engine, as long as which the code lives, which XLA knows from now on."""
+    import llvmlite.binding as llvm
+
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _processor())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     capsule = jax.ffi.pycapsule(engine.get_function_address(f"{name}_handler"))
     jax.ffi.register_ffi_target(name, capsule, platform="cpu")
-    return _Handler(name, engine)
+    return engine
 
 
 def _processor() -> object:
@@ -109,8 +130,16 @@ def _processor() -> object:
 
 
 @functools.cache
-def _fingerprint() -> bytes:
-    """What all machine code depends on: these sources, versions and the processor."""
+def fingerprint() -> bytes:
+    """What all machine code depends on: these sources, versions and the processor.
+
+    Returns:
+        A hash.
+
+    Raises:
+        ImportError: If there is no llvmlite.
+        OSError: If there is no header of XLA's interface.
+    """
     import llvmlite
     import llvmlite.binding as llvm
 

@@ -1,4 +1,4 @@
-"""Machine code kept on disk between processes, in a folder that only its user can write.
+"""Machine code and programs kept on disk between processes, in a folder of the user's alone.
 
 What is kept is executed, so it is trusted no further than its folder: that is the user's own,
 closed to others, and never relative. Without JAX's compilation cache nothing is kept. A file
@@ -14,11 +14,11 @@ import jax
 
 from scdpr_jax.numerics.private_folder import private_folder
 
-_MARK = b"scdpr-jax machine code 1\n"
+_MARK = b"scdpr-jax code 2\n"
 
 
 def folder() -> pathlib.Path | None:
-    """Where machine code is kept: beside what JAX's compilation cache keeps.
+    """Where code is kept: beside what JAX's compilation cache keeps.
 
     Returns:
         The folder, which is there and is the user's alone; none if JAX keeps nothing or the
@@ -34,14 +34,14 @@ def folder() -> pathlib.Path | None:
 
 
 def _refused(reason: OSError) -> None:
-    warnings.warn(f"Machine code isn't kept: {reason}", RuntimeWarning, stacklevel=2)
+    warnings.warn(f"Compiled code isn't kept: {reason}", RuntimeWarning, stacklevel=2)
 
 
 def kept(name: str) -> bytes | None:
-    """Machine code from an earlier process.
+    """Code from an earlier process.
 
     Args:
-        name: What it depends on, hashed.
+        name: Its file: what it depends on, hashed, and the kind of code.
 
     Returns:
         The code; none where there is none, or not a whole one of this name.
@@ -50,7 +50,7 @@ def kept(name: str) -> bytes | None:
     if own is None:
         return None
     try:
-        found = (own / f"{name}.o").read_bytes()
+        found = (own / name).read_bytes()
     except OSError:
         return None
     head = _MARK + name.encode() + b"\n"
@@ -60,10 +60,10 @@ def kept(name: str) -> bytes | None:
 
 
 def keep(name: str, code: bytes) -> None:
-    """Keeps machine code for later processes, if there is a place for it.
+    """Keeps code for later processes, if there is a place for it.
 
     Args:
-        name: What it depends on, hashed.
+        name: Its file: what it depends on, hashed, and the kind of code.
         code: The code.
     """
     own = folder()
@@ -74,6 +74,6 @@ def keep(name: str, code: bytes) -> None:
         # A file is there whole or not at all, whoever else writes it.
         with tempfile.NamedTemporaryFile(dir=own, delete=False) as part:
             part.write(head + code)
-        pathlib.Path(part.name).replace(own / f"{name}.o")
+        pathlib.Path(part.name).replace(own / name)
     except OSError as reason:
         _refused(reason)

@@ -1,12 +1,10 @@
 """The horizontal manoeuvre of Table 3, out and back under control: one, and many at once."""
 
-import functools
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, PyTree
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper
@@ -15,6 +13,7 @@ from scdpr_jax.legs.command_law import CommandLaw
 from scdpr_jax.legs.ensemble import Ensemble
 from scdpr_jax.legs.leg import Leg, run_leg
 from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.fields import si
 from tuning.gains.design import LONGEST_GAP
 from tuning.gains.loss import loss
@@ -104,9 +103,26 @@ def runs(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> LegM
     Returns:
         The measures of each run.
     """
-    count = len(tasks.ensemble)
+    chunks = _chunks(tasks, controllers, shapers)
+    parts = zip(*(_chunk(*chunk, leg_time) for chunk in chunks), strict=True)
+    return LegMeasures(*(np.concatenate(part)[: len(tasks.ensemble)] for part in parts))
 
-    # The last chunk is filled up with the first run.
+
+def compile_runs(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> None:
+    """Compiles what `runs` needs for such arguments, of any number.
+
+    Args:
+        tasks: Robots and poses.
+        controllers: Controllers.
+        shapers: Shapers.
+        leg_time: Time of a leg [s].
+    """
+    _chunk.compile(*_chunks(tasks, controllers, shapers)[0], leg_time)
+
+
+def _chunks(tasks: Task, controllers: PD, shapers: Shaper) -> list[tuple[Task, PD, Shaper]]:
+    """Runs in chunks of `LANES`; the last one is filled up with the first run."""
+    count = len(tasks.ensemble)
     rows = np.resize(np.arange(count), count + -count % LANES)
     rows[count:] = 0
 
@@ -119,19 +135,23 @@ def runs(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> LegM
         jax.tree.map(lambda leaf: spread(leaf, 0), controllers),
         jax.tree.map(lambda leaf: spread(leaf, 1), shapers),
     )
-    measures = []
-    for first in range(0, count, LANES):
-        chunk = jax.tree.map(lambda leaf, first=first: leaf[first : first + LANES], lanes)
-        measures.append(_chunk(*chunk, leg_time))
-    return jax.tree.map(lambda *parts: np.concatenate(parts)[:count], *measures)
+    return [
+        jax.tree.map(lambda leaf, first=first: leaf[first : first + LANES], lanes)
+        for first in range(0, len(rows), LANES)
+    ]
 
 
-@functools.partial(jax.jit, static_argnames="leg_time")
-def _chunk(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> LegMeasures:
+@kept_jit
+def _chunk(
+    tasks: Task, controllers: PD, shapers: Shaper, leg_time: float
+) -> list[Float[Array, " lanes"]]:
+    """The fields of `LegMeasures`."""
     samples, leg = samples_for(leg_time, COARSE_PERIOD), jnp.asarray(leg_time)
-    return jax.vmap(lambda *lane: track(*lane, leg, samples=samples).measures)(
-        tasks, controllers, shapers
-    )
+
+    def lane(*own: PyTree) -> list[Float[Array, ""]]:
+        return jax.tree.leaves(track(*own, leg, samples=samples).measures)
+
+    return jax.vmap(lane)(tasks, controllers, shapers)
 
 
 def alone() -> PD:

@@ -10,6 +10,7 @@ sampling (cross entropy) finds a valley, the gradient through the simulation (Ad
 in it.
 """
 
+import dataclasses
 import functools
 from collections.abc import Callable
 from typing import NamedTuple
@@ -26,6 +27,7 @@ from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.legs.command_law import unshaped
 from scdpr_jax.legs.ensemble import Variation, varied
 from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.native import kept_jit
 from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.gains.cross_entropy import cross_entropy
 from tuning.gains.design import IMPULSES, controller_of, middle, shaper_of, spread_of
@@ -35,12 +37,13 @@ from tuning.gains.manoeuvre import (
     Task,
     alone,
     at_period,
+    compile_runs,
     losses,
     runs,
     samples_for,
     track,
 )
-from tuning.loop.admissible import Admissible
+from tuning.loop.admissible import Admissible, any_bounds
 
 LEG_TIMES = (2.0, 4.0)
 """Times of a leg that are optimised for [s]: what the rigs run the horizontal manoeuvre of
@@ -155,6 +158,27 @@ def optimise(
     )
 
 
+def compile_search(
+    task: Task,
+    *,
+    impulses: int = IMPULSES,
+    leg_times: tuple[float, ...] = LEG_TIMES,
+) -> None:
+    """Compiles what `optimise` needs for any robot.
+
+    Args:
+        task: A robot and the manoeuvre's poses.
+        impulses: Impulses of the shaper.
+        leg_times: Times of a leg that the same shaper is to serve [s].
+    """
+    for leg in leg_times:
+        compile_runs(_around(task), alone(), unshaped(impulses), leg)
+    flat, _ = jax.flatten_util.ravel_pytree(middle(impulses))
+    nothing = LegMeasures(*[np.zeros(())] * len(dataclasses.fields(LegMeasures)))
+    baseline, within = (nothing,) * len(leg_times), any_bounds(task.ensemble.robot)
+    _slope.compile(flat, task, within, baseline, impulses=impulses, leg_times=leg_times)
+
+
 def _around(task: Task) -> Task:
     """The task for each of `VARIATIONS`, stacked."""
     single = task.ensemble
@@ -162,7 +186,7 @@ def _around(task: Task) -> Task:
     return Task(ensemble, jnp.tile(task.turn, (len(VARIATIONS), 1)))
 
 
-@functools.partial(jax.jit, static_argnames=("impulses", "leg_times"))
+@kept_jit
 def _slope(
     flat: Float[Array, " n"],
     task: Task,

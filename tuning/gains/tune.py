@@ -1,16 +1,19 @@
 """From a fitted robot and its measured frequencies to gains and shapers."""
 
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
 from scdpr_jax.legs.command_law import unshaped
 from scdpr_jax.legs.ensemble import single
 from scdpr_jax.legs.leg import Leg
+from scdpr_jax.native import kept_jit
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot, exact
@@ -25,7 +28,7 @@ from tuning.gains.manoeuvre import (
     samples_for,
     track,
 )
-from tuning.gains.optimise import LEG_TIMES, Effort, optimise
+from tuning.gains.optimise import LEG_TIMES, Effort, compile_search, optimise
 from tuning.loop.admissible import admissible
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import MotorPlant
@@ -206,39 +209,61 @@ def _shapers(
 ) -> list[RegionalShaper]:
     """The best shaper of each cell; that of the reference cell is the optimised one."""
     coarse = at_period(COARSE_PERIOD, controller)
-    candidates = [_candidates(cell, optimised, reference) for cell in cells]
+    candidates = _candidates(cells, optimised, reference)
+    shape = candidates.times.shape[:2]
     tasks = [_task(robot_in(cell, robot), height=cell.height) for cell in cells]
     each = jax.tree.map(lambda *leaves: np.stack(leaves), *tasks)
-    many = jax.tree.map(lambda leaf: np.repeat(leaf, len(candidates[0]), axis=0), each)
-    tried = jax.tree.map(
-        lambda *leaves: np.stack(leaves), *(shaper for cell in candidates for shaper in cell)
-    )
-    total = np.zeros((len(cells), len(candidates[0])))
+    many = jax.tree.map(lambda leaf: np.repeat(leaf, shape[1], axis=0), each)
+    tried = jax.tree.map(lambda leaf: leaf.reshape(-1, leaf.shape[-1]), candidates)
+    total = np.zeros(shape)
     for leg in leg_times:
         before = runs(each, alone(), unshaped(optimised.times.size), leg)
         after = runs(many, coarse, tried, leg)
-        shape = total.shape
-        shaped = jax.tree.map(lambda leaf, shape=shape: leaf.reshape(shape), after)
+        shaped = jax.tree.map(lambda leaf: leaf.reshape(shape), after)
         against = jax.tree.map(lambda leaf: leaf[:, None], before)
         total = total + np.asarray(losses(shaped, against))
     chosen = []
-    for cell, shapers, costs in zip(cells, candidates, total, strict=True):
-        best = shapers[int(np.nanargmin(costs))]
+    for number, cell in enumerate(cells):
+        at = number, int(np.nanargmin(total[number]))
+        best = jax.tree.map(lambda leaf, at=at: np.asarray(leaf)[at], candidates)
         is_optimised = of_reference and cell == reference
         chosen.append(_regional(cell, optimised if is_optimised else best))
     return chosen
 
 
-def _candidates(cell: Cell, optimised: Shaper, reference: Cell) -> list[Shaper]:
-    """Shapers of as many impulses as the optimised one; idle ones have no amplitude."""
-    count = optimised.times.size
-    scale = reference.frequency / cell.frequency
-    designs = [entry.design(cell.frequency, cell.damping_ratio) for entry in CATALOGUE]
-    fitting = [shaper for shaper in (unshaped(), *designs) if shaper.times.size <= count]
-    return [
-        Shaper(scale * optimised.times, optimised.amplitudes),
-        *(padded(shaper, count) for shaper in fitting),
-    ]
+@kept_jit
+def _catalogue(
+    frequency: Float[Array, " cells"], damping_ratio: Float[Array, " cells"], impulses: int
+) -> tuple[Float[Array, "cells shapers impulses"], Float[Array, "cells shapers impulses"]]:
+    """Times and amplitudes of the catalogue's shapers that are short enough, and of none.
+
+    Idle impulses have no amplitude; where a shaper can't be made for a cell there is none.
+    """
+
+    def of_cell(*mode: Float[Array, ""]) -> tuple[Array, Array]:
+        designs = [unshaped(), *(entry.design(*mode) for entry in CATALOGUE)]
+        fitting = [padded(own, impulses) for own in designs if own.times.size <= impulses]
+        times = jnp.stack([own.times for own in fitting])
+        amplitudes = jnp.stack([own.amplitudes for own in fitting])
+        made = jnp.isfinite(times + amplitudes).all(axis=1, keepdims=True)
+        return jnp.where(made, times, times[0]), jnp.where(made, amplitudes, amplitudes[0])
+
+    return jax.vmap(of_cell)(frequency, damping_ratio)
+
+
+def _candidates(cells: Sequence[Cell], optimised: Shaper, reference: Cell) -> Shaper:
+    """Shapers to try in each cell, the optimised one at the cell's frequency first."""
+    frequency, damping_ratio = (
+        np.array([getattr(cell, name) for cell in cells])
+        for name in ("frequency", "damping_ratio")
+    )
+    times, amplitudes = _catalogue(frequency, damping_ratio, optimised.times.size)
+    scaled = np.asarray(optimised.times) * (reference.frequency / frequency)[:, None]
+    same = np.broadcast_to(optimised.amplitudes, scaled.shape)
+    return Shaper(
+        np.concatenate([scaled[:, None], times], axis=1),
+        np.concatenate([same[:, None], amplitudes], axis=1),
+    )
 
 
 def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
@@ -266,22 +291,15 @@ def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
 _run = jax.jit(track, static_argnames="samples")
 
 
-def prepare(
-    robot: Robot,
-    *,
-    leg_times: tuple[float, ...] = LEG_TIMES,
-    effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
-) -> None:
+def prepare(robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES) -> None:
     """Compile what `tune` will run, on any robot, as it takes longer than running it.
 
     Args:
         robot: Any robot with the numbers of an ordinary one.
         leg_times: Times of a leg that the design will be optimised for [s].
-        effort: How much will be spent.
     """
     task = _task(exact(robot), height=_HEIGHT * float(robot.frame.height))
-    once = Effort(effort.population, generations=1, descents=min(effort.descents, 1))
-    optimise(task, admissible([task.ensemble.robot]), leg_times=leg_times, effort=once)
+    compile_search(task, leg_times=leg_times)
     _predict(task, published_pd(), unshaped(IMPULSES), leg_times[0], longest=max(leg_times))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD
+from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
@@ -105,11 +106,8 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
         The bounds. Where no gains that are searched keep the margins, the most damped of
         them: `worst_margins` tells what is left.
     """
-    heights = heights or np.linspace(*reach(robots[0]), 3).tolist()
-    drive = robots[0].drive
-    plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
-    stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *robots)
-    every = jnp.asarray(heights)
+    every = _heights(robots[0]) if not heights else jnp.asarray(heights)
+    plant = _plant(robots[0])
     crossover = np.geomspace(*CROSSOVERS, _NODES)
     without, alone = np.transpose([_ends(plant, w) for w in crossover])
     highest = alone - _SHORT_OF_END
@@ -119,8 +117,7 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
             shape_sampled_loop(plant, crossover=w, phase_margin=m)
             for w, m in zip(crossover, margin, strict=True)
         ]
-        each = jax.tree.map(lambda *leaves: jnp.stack(leaves), *pds)
-        return np.asarray(_slack(stacked, every, each))
+        return np.min([_slack(robot, every, _stacked(pds)) for robot in robots], axis=0)
 
     good, bad = highest, np.clip(_LOWEST, without + _SHORT_OF_END, highest)
     above, below = slack(good), slack(bad)
@@ -140,17 +137,47 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
             np.where(kept, np.where(bracketed, below / 2, below), between),
         )
     first = int(np.argmax(usable))
-    last = first + int(np.argmin(np.append(usable[first:], False)))
-    chosen = slice(first, last)
+    last = first + int(np.argmin(np.append(usable[first:], False))) - 1
+    # The last node again for each that is left out: one compiled function serves all bounds.
+    chosen = np.minimum(first + np.arange(_NODES), last)
     lowest = np.minimum(good + _RESERVE, highest)
     return Admissible(
         plant, *(jnp.asarray(each[chosen]) for each in (crossover, lowest, highest))
     )
 
 
-@jax.jit
-def _slack(robots: Robot, heights: Float[Array, " heights"], pds: PD) -> Float[Array, " nodes"]:
-    """By how much the worst loop keeps its margins, relative to what it must [1]."""
+def any_bounds(robot: Robot) -> Admissible:
+    """Bounds that nothing is known to keep, to compile with; `admissible`'s parts are, too.
+
+    Args:
+        robot: A robot.
+
+    Returns:
+        The bounds.
+    """
+    plant, crossover = _plant(robot), np.geomspace(*CROSSOVERS, _NODES)
+    pds = [shape_sampled_loop(plant, crossover=w, phase_margin=_LOWEST) for w in crossover]
+    _slack.compile(robot, _heights(robot), _stacked(pds))
+    lowest = np.full(_NODES, _LOWEST)
+    return Admissible(plant, *map(jnp.asarray, (crossover, lowest, lowest + _RESERVE)))
+
+
+def _heights(robot: Robot) -> Float[Array, "3"]:
+    return jnp.linspace(*reach(robot), 3)
+
+
+def _plant(robot: Robot) -> MotorPlant:
+    return MotorPlant(gain=drive_gain(robot.drive), pole=drive_pole(robot.drive))
+
+
+def _stacked(pds: Sequence[PD]) -> PD:
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *pds)
+
+
+@kept_jit
+def _slack(robot: Robot, heights: Float[Array, " heights"], pds: PD) -> Float[Array, " nodes"]:
+    """By how much a robot's worst loop keeps its margins, relative to what it must [1]."""
+    robots = jax.tree.map(lambda leaf: leaf[None], robot)
 
     def worst(pd: PD) -> Float[Array, ""]:
         flexible = margins_over_workspace(robots, heights, pd)

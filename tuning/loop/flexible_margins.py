@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Complex, Float, Int
 
 from scdpr_jax.command.controller import PD
+from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
@@ -95,7 +96,6 @@ def flexible_margins(
     )
 
 
-@functools.partial(jax.jit, static_argnames="delay")
 def margins_over_workspace(
     robots: Robot, heights: Float[Array, " heights"], controller: PD, *, delay: int = 1
 ) -> FlexibleMargins:
@@ -110,6 +110,15 @@ def margins_over_workspace(
     Returns:
         Margins by loop (those of `JOINT_LOOPS`), robot and height.
     """
+    *margins, radius = _over_workspace(robots, heights, controller, delay)
+    return FlexibleMargins(Margins(*margins), radius)
+
+
+@kept_jit
+def _over_workspace(
+    robots: Robot, heights: Float[Array, " heights"], controller: PD, delay: int
+) -> list[Float[Array, "loops robots heights"]]:
+    """The fields of `FlexibleMargins`, those of `Margins` first."""
 
     def of_height(height: Float[Array, ""]) -> FlexibleMargins:
         def at(motion: Motion, robot: Robot) -> FlexibleMargins:
@@ -118,8 +127,8 @@ def margins_over_workspace(
         return jax.vmap(jax.vmap(at, in_axes=(None, 0)), in_axes=(0, None))(motions(), robots)
 
     # Height by height, as all responses at once take gigabytes.
-    margins = jax.lax.map(of_height, heights)
-    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, -1), margins)
+    margins = jax.tree.leaves(jax.lax.map(of_height, heights))
+    return [jnp.moveaxis(leaf, 0, -1) for leaf in margins]
 
 
 def _grid(robot: Robot, controller: PD, special: Float[Array, " k"]) -> Float[Array, " points"]:

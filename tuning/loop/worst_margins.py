@@ -91,11 +91,15 @@ def margin_map(robots: Sequence[Fitted], controller: PD) -> MarginMap:
     Returns:
         The map.
     """
-    stacked = jax.tree.map(
-        lambda *leaves: jnp.stack(leaves), *(fitted.robot for fitted in robots)
-    )
     height = np.linspace(*reach(robots[0].robot), _HEIGHTS)
-    flexible = margins_over_workspace(stacked, jnp.asarray(height), controller)
+    # One setting after the other: one compiled function serves any number of them.
+    each = [
+        margins_over_workspace(
+            jax.tree.map(lambda leaf: leaf[None], fitted.robot), jnp.asarray(height), controller
+        )
+        for fitted in robots
+    ]
+    flexible = jax.tree.map(lambda *leaves: np.concatenate(leaves, axis=1), *each)
     return MarginMap(np.asarray([fitted.pretension for fitted in robots]), height, flexible)
 
 
