@@ -7,10 +7,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jinja2
-from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from experiments.page.inline_svg import inline_svg
+from experiments.page.drawing import Draw, Drawn, draw
 from experiments.page.number_text import split_at_point
 
 _PACKAGES = ("scdpr-jax", "jax", "jaxlib", "equinox", "numpy", "scipy", "matplotlib")
@@ -19,8 +18,8 @@ _PACKAGES = ("scdpr-jax", "jax", "jaxlib", "equinox", "numpy", "scipy", "matplot
 class Picture(NamedTuple):
     """A figure of a page."""
 
-    svg: Markup
-    """The figure, as markup that is safe to insert."""
+    svg: Drawn
+    """The figure."""
     caption: str
     """What to look at in it."""
     narrow: bool = False
@@ -30,14 +29,17 @@ class Picture(NamedTuple):
 class Pictures:
     """The figures of one page, each with identifiers of its own."""
 
-    def __init__(self, keep: Callable[[Figure], None] = lambda figure: None) -> None:
+    def __init__(
+        self, keep: Callable[[Figure], None] = lambda figure: None, *, draw: Draw = draw
+    ) -> None:
         """Begin a page.
 
         Args:
             keep: Told every figure, to keep it somewhere else too.
+            draw: What draws the figures.
         """
         self._count = 0
-        self._keep = keep
+        self._keep, self._draw = keep, draw
 
     def __call__(self, figure: Figure, caption: str, *, narrow: bool = False) -> Picture:
         """A figure as a picture of the page.
@@ -52,9 +54,7 @@ class Pictures:
         """
         self._count += 1
         self._keep(figure)
-        svg = inline_svg(figure, name=f"fig{self._count}", description=caption)
-        # The figure's text was escaped as it was drawn, its description just now.
-        return Picture(Markup(svg), caption, narrow)
+        return Picture(self._draw(figure, f"fig{self._count}", caption), caption, narrow)
 
 
 def page(template: str, **content: Any) -> str:

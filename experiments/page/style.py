@@ -15,6 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from experiments.page.number_text import plain
+
 BLACK, GREY = "#1a1a1a", "#6e6e6e"
 ORANGE, SKY, GREEN, YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
 BLUE, VERMILION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
@@ -35,6 +37,8 @@ _SETTINGS = {
     "axes.titlesize": 10,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
+    # Nothing is above the panels, so titles needn't look for their place.
+    "axes.titley": 1.0,
     "axes.labelsize": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -144,6 +148,18 @@ def panels(
         rows, columns, width_ratios=widths, sharex=sharex, sharey=sharey, squeeze=False
     )
     return figure, grid.ravel()
+
+
+def one_digit(value: float, _: int | None = None) -> str:
+    """A tick's label with one digit, whatever its size.
+
+    Args:
+        value: The tick's place.
+
+    Returns:
+        The label.
+    """
+    return plain(value, 1)
 
 
 def legend_above(axes: Axes, *, columns: int = 4) -> None:

@@ -20,6 +20,7 @@ from experiments.figures.identification.residuals import residuals
 from experiments.figures.identification.ring_down import ring_down_figure
 from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_view import robot_view, shown_instants
+from experiments.page.drawing import Draw, draw
 from experiments.page.number_text import percent, plain
 from experiments.page.page import Picture, Pictures, page, versions
 from experiments.page.table import Table, table_of
@@ -53,6 +54,7 @@ def write_report(
     *,
     title: str,
     truth: dict[str, float] | None,
+    draw: Draw = draw,
 ) -> None:
     """Write the report of a calibration, whole or not at all.
 
@@ -61,11 +63,12 @@ def write_report(
         findings: What the calibration comes to; it has its campaign.
         title: Its title.
         truth: True values by name [SI], where they are known.
+        draw: What draws its figures.
 
     Raises:
         OSError: If the place can't be written to.
     """
-    picture, words = Pictures(), findings.words
+    picture, words = Pictures(draw=draw), findings.words
     campaign, estimate = findings.campaign, findings.estimate
     frequencies, tuning = findings.frequencies, findings.tuning
     drawn, left_out = runs_to_draw(estimate.comparisons)

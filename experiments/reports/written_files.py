@@ -3,6 +3,7 @@
 import dataclasses
 import pathlib
 
+from experiments.page.drawing import Draw, draw
 from experiments.reports.report import write_report
 from experiments.studies.findings import Findings
 from identification.knocks.frequency_map import write_frequencies
@@ -49,7 +50,11 @@ class CalibrationFiles:
 
 
 def write_calibration(
-    findings: Findings, out: pathlib.Path, *, truth: dict[str, float] | None = None
+    findings: Findings,
+    out: pathlib.Path,
+    *,
+    truth: dict[str, float] | None = None,
+    draw: Draw = draw,
 ) -> CalibrationFiles:
     """Write everything that a calibration gives, each file whole or not at all.
 
@@ -57,6 +62,7 @@ def write_calibration(
         findings: What it comes to.
         out: The folder.
         truth: True values by name, where they are known.
+        draw: What draws the report's figures.
 
     Returns:
         The files.
@@ -73,6 +79,7 @@ def write_calibration(
         findings,
         title=f"Calibration of {findings.campaign.name}",
         truth=truth,
+        draw=draw,
     )
     return CalibrationFiles(
         report, parameters, out / "frequencies.csv" if mapped else None, tuning

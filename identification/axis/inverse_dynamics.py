@@ -2,7 +2,6 @@
 
 import numpy as np
 import scipy.optimize
-import scipy.signal
 from jaxtyping import Float
 
 from identification.axis.log import AxisLog
@@ -42,8 +41,11 @@ def inverse_dynamics(
     grid = np.arange(time[0], time[-1], step)
     position, voltage = np.interp(grid, time, position), np.interp(grid, time, voltage)
 
+    # It brings `scipy.stats`, which takes as long to load as all else of a fit.
+    from scipy.signal import savgol_filter
+
     def smooth(signal: Float[np.ndarray, " n"], order: int) -> Float[np.ndarray, " n"]:
-        return scipy.signal.savgol_filter(signal, window, _CUBIC, deriv=order, delta=step)
+        return savgol_filter(signal, window, _CUBIC, deriv=order, delta=step)
 
     velocity = smooth(position, 1)
     moving = np.abs(velocity) > _STANDSTILL * np.sqrt(np.mean(velocity**2))

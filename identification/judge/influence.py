@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy import stats
+from scipy import special
 from scipy.optimize import lsq_linear
 
 from identification.fit.problem import Problem
@@ -343,6 +343,6 @@ def _expanded(drawn: Float[np.ndarray, " resamples"], telling: float) -> Interva
     values = drawn[~np.isnan(drawn)]
     if telling < FEWEST or values.size < 0.99 * drawn.size:
         return None
-    far = stats.t.ppf(0.975, telling - 1) * np.sqrt(telling / (telling - 1))
-    low, high = np.quantile(values, [stats.norm.cdf(-far), stats.norm.cdf(far)])
+    far = special.stdtrit(telling - 1, 0.975) * np.sqrt(telling / (telling - 1))
+    low, high = np.quantile(values, special.ndtr([-far, far]))
     return float(low), float(high)

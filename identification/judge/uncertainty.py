@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy import stats
+from scipy import special
 
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.quantities import quantity
@@ -85,7 +85,7 @@ def half_width(sigma: float, confidence: float, degrees_of_freedom: float) -> fl
     """
     if not np.isfinite(sigma):
         return np.inf
-    return float(stats.t.ppf(0.5 + confidence / 2, degrees_of_freedom) * sigma)
+    return float(special.stdtrit(degrees_of_freedom, 0.5 + confidence / 2) * sigma)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ def covariance(
             continue
         spread = np.sum(np.square(pulls), axis=0) * groups / (groups - 1)
         clustered = spread + stated
-        scatter = stats.chi2.ppf(1 - LEVEL, groups - 1) / (groups - 1)
+        scatter = special.chdtri(groups - 1, LEVEL) / (groups - 1)
         wider = _width(clustered, groups - 1.0) > _width(variance, freedom)
         taken = (spread > scatter * (white - stated)) & wider
         variance = np.where(taken, clustered, variance)
@@ -169,7 +169,7 @@ def _width(
     variance: Float[np.ndarray, " n"], freedom: Float[np.ndarray, " n"] | float
 ) -> Float[np.ndarray, " n"]:
     """Half widths of 95 % intervals."""
-    return np.sqrt(variance) * stats.t.ppf(0.975, freedom)
+    return np.sqrt(variance) * special.stdtrit(freedom, 0.975)
 
 
 def is_undetermined(name: str, number: float, sigma: float) -> bool:

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 from jaxtyping import Float
-from scipy import stats
+from scipy import special
 
 from identification.fit.comparison import CAMERA, ENCODERS, Comparison
 
@@ -129,7 +129,7 @@ def ljung_box(residual: Float[np.ndarray, " n"]) -> float:
     lags = np.arange(1, LAGS + 1)
     correlation = np.array([centred[k:] @ centred[:-k] for k in lags]) / power
     statistic = count * (count + 2) * np.sum(np.square(correlation) / (count - lags))
-    return float(stats.chi2.sf(statistic, LAGS))
+    return float(special.chdtrc(LAGS, statistic))
 
 
 def independence(residual: Float[np.ndarray, " n"], moved: Float[np.ndarray, " n"]) -> float:
@@ -152,4 +152,4 @@ def independence(residual: Float[np.ndarray, " n"], moved: Float[np.ndarray, " n
     # An input that is held is no more samples than it has steps, if these are fewer.
     count = residual.size - LAGS
     statistic = np.arctanh(min(largest, 1 - 1e-12)) * np.sqrt(max(count - 3, 1))
-    return float(min(2 * stats.norm.sf(statistic) * (LAGS + 1), 1.0))
+    return float(min(2 * special.ndtr(-statistic) * (LAGS + 1), 1.0))

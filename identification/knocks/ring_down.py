@@ -3,7 +3,7 @@
 import dataclasses
 
 import numpy as np
-import scipy.stats
+import scipy.special
 from jaxtyping import Float
 
 from identification.knocks.decay import Decay, fit_decay
@@ -236,10 +236,10 @@ def _judge(fit: Decay) -> tuple[float, bool]:
     count, parameters = fit.jacobian.shape
     freedom = count - parameters
     total = float(fit.residuals @ fit.residuals)
-    likely = scipy.stats.chi2.sf(total, freedom) > _LEVEL
+    likely = scipy.special.chdtrc(freedom, total) > _LEVEL
     neighbours = float(fit.residuals[1:] @ fit.residuals[:-1]) / total
     # Under noise the correlation of neighbours is normal with a variance of 1/n.
-    loose = neighbours * np.sqrt(count) < scipy.stats.norm.isf(_LEVEL)
+    loose = neighbours * np.sqrt(count) < -scipy.special.ndtri(_LEVEL)
     return total / freedom, bool(likely and loose)
 
 

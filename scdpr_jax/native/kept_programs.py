@@ -96,9 +96,7 @@ class KeptJit(Generic[Given, Result]):
                 self._programs[kind] = _compiled(flat, leaves, file)
         return self._programs[kind]
 
-    def _flat(
-        self, structure: jax.tree_util.PyTreeDef, static: PyTree
-    ) -> jax.stages.Wrapped:
+    def _flat(self, structure: jax.tree_util.PyTreeDef, static: PyTree) -> jax.stages.Wrapped:
         """The function of the arrays alone."""
 
         def flat(*leaves: jax.Array) -> Result:

@@ -17,6 +17,7 @@ from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from tuning.loop.flexible_loop import (
     Motion,
+    PlantOfPoles,
     closed_loop_matrix,
     flexible_loop,
     flexible_plant,
@@ -86,9 +87,12 @@ def flexible_margins(
         [resonances(robot, height), jnp.abs(jnp.angle(poles)) / controller.period]
     )
     response = Response(functools.partial(flexible_loop, delay=delay), plant, controller)
+    gain = controller.proportional_gain + controller.derivative_gain / controller.period
+    still = Response(response.loop, PlantOfPoles.of(plant, gain), controller)
     grid = _grid(robot, controller, special)
     # |L| = 1 and Im L = 0 are polynomials in cos(omega h) of no higher degree.
-    margins = _least_margins(response, grid, most=plant.input.size + delay + 2)
+    most = plant.input.size + delay + 2
+    margins = _least_margins(response, jax.lax.stop_gradient(still), grid, most=most)
     stable = radius < 1
     return FlexibleMargins(
         margins=jax.tree.map(lambda leaf: jnp.where(stable, leaf, jnp.nan), margins),
@@ -142,14 +146,18 @@ def _grid(robot: Robot, controller: PD, special: Float[Array, " k"]) -> Float[Ar
     return jnp.sort(jnp.concatenate([even, jnp.clip(around.ravel(), lowest, nyquist)]))
 
 
-def _least_margins(response: Response, grid: Float[Array, " points"], *, most: int) -> Margins:
-    values = jax.vmap(response)(grid)
+def _least_margins(
+    response: Response, still: Response, grid: Float[Array, " points"], *, most: int
+) -> Margins:
+    values = jax.vmap(still)(jax.lax.stop_gradient(grid))
     of_gain = jnp.arange(2 * most) < most
     marks = (_gain_crosses(values), _phase_crosses(values))
     index, crosses = map(
         jnp.concatenate, zip(*(_first(mark, most=most) for mark in marks), strict=True)
     )
-    at = jax.vmap(functools.partial(_crossing, response))(of_gain, grid[index], grid[index + 1])
+    at = jax.vmap(functools.partial(_crossing, response, still))(
+        of_gain, grid[index], grid[index + 1]
+    )
     there = jax.vmap(response)(at)
 
     lags = jnp.where(crosses & of_gain, jnp.angle(-there), jnp.nan)
@@ -168,7 +176,7 @@ def _least_margins(response: Response, grid: Float[Array, " points"], *, most: i
         delay_margin=jnp.nanmin(jnp.mod(lags, 2 * jnp.pi) / at),
         phase_crossover=phase_crossover,
         gain_margin=gain_margin,
-        peak_sensitivity=peak_sensitivity(response, grid, values),
+        peak_sensitivity=peak_sensitivity(response, grid, values, still=still),
     )
 
 
@@ -196,6 +204,7 @@ def _first(
 
 def _crossing(
     response: Response,
+    still: Response,
     of_gain: Bool[Array, ""],
     low: Float[Array, ""],
     high: Float[Array, ""],
@@ -206,4 +215,4 @@ def _crossing(
         value = response(angular_frequency)
         return jnp.where(of_gain, jnp.log(jnp.abs(value)), jnp.angle(-value))
 
-    return root(measure, response, low, high)
+    return root(measure, response, low, high, still=still)

@@ -10,7 +10,7 @@ from jaxtyping import Array, Complex, Float
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.robot.fields import si
-from tuning.loop.flexible_loop import FlexiblePlant
+from tuning.loop.flexible_loop import FlexiblePlant, PlantOfPoles
 from tuning.loop.plant import MotorPlant
 from tuning.loop.responses import continuous_loop, sampled_loop
 
@@ -46,7 +46,7 @@ class Response(eqx.Module):
 
     loop: Callable[..., Complex[Array, ""]] = eqx.field(static=True)
     """From plant, controller and angular frequency to the open loop."""
-    plant: MotorPlant | FlexiblePlant
+    plant: MotorPlant | FlexiblePlant | PlantOfPoles
     """The drive, or the flexible robot."""
     controller: PD
     """The controller."""
@@ -212,7 +212,11 @@ def with_nyquist(
 
 
 def peak_sensitivity(
-    response: Response, grid: Float[Array, " points"], values: Complex[Array, " points"]
+    response: Response,
+    grid: Float[Array, " points"],
+    values: Complex[Array, " points"],
+    *,
+    still: Response | None = None,
 ) -> Float[Array, ""]:
     """Largest $1 / |1 + L|$, by golden section around the grid's nearest point to $-1$.
 
@@ -220,6 +224,7 @@ def peak_sensitivity(
         response: The open loop.
         grid: Angular frequencies, ascending [rad/s].
         values: The response there.
+        still: The same without derivatives, to search with; None for the response itself.
 
     Returns:
         The peak [1].
@@ -228,11 +233,16 @@ def peak_sensitivity(
     low = grid[jnp.maximum(nearest - 1, 0)]
     high = grid[jnp.minimum(nearest + 1, grid.size - 1)]
     # At the minimum the derivative in the frequency vanishes: it may be held constant.
-    return 1 / _distance(response, _minimum(_distance, response, low, high))
+    return 1 / _distance(response, _minimum(_distance, still or response, low, high))
 
 
 def root(
-    measure: Measure, response: Response, low: Float[Array, ""], high: Float[Array, ""]
+    measure: Measure,
+    response: Response,
+    low: Float[Array, ""],
+    high: Float[Array, ""],
+    *,
+    still: Response | None = None,
 ) -> Float[Array, ""]:
     """Where a measure of the response vanishes, with the implicit function's derivative.
 
@@ -241,11 +251,12 @@ def root(
         response: The open loop.
         low: Lower end of a stretch in which the measure changes sign [rad/s].
         high: Its upper end [rad/s].
+        still: The same response without derivatives, to search with; None for itself.
 
     Returns:
         Angular frequency [rad/s].
     """
-    function = functools.partial(measure, jax.lax.stop_gradient(response))
+    function = functools.partial(measure, jax.lax.stop_gradient(still or response))
     sign = jnp.sign(function(low))
 
     def halve(_, bounds):

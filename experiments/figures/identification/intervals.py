@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from experiments.page import style
-from experiments.page.number_text import percent, plain
+from experiments.page.number_text import percent
 from identification.judge.uncertainty import UNSEEN, WEAK, ParameterEstimate, magnitude
 
 
@@ -134,6 +134,6 @@ def intervals(
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
     axes.set_xlabel("half of the 95 % interval, relative to the value [%]")
-    axes.xaxis.set_major_formatter(lambda value, _: plain(value, 1))
+    axes.xaxis.set_major_formatter(style.one_digit)
     axes.xaxis.set_minor_locator(NullLocator())
     return figure

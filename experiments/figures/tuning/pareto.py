@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from experiments.page import style
-from experiments.page.number_text import plain
 from tuning.codesign import Designed
 
 _COLOURS = (style.BLUE, style.VERMILION, style.ORANGE, style.GREEN)
@@ -56,7 +55,7 @@ def pareto(
     right.set_xscale("log")
     for axis in (left.yaxis, right.xaxis):
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        axis.set_major_formatter(lambda value, _: plain(value, 1))
+        axis.set_major_formatter(style.one_digit)
         axis.set_minor_locator(NullLocator())
     left.set(
         xlabel="move time with the shaper [s]",

@@ -50,13 +50,14 @@ def calibrate(
     if read is None:
         return BAD_INPUT
     set_up()
+    from experiments.page.drawing import drawing_aside
     from experiments.reports import summary
     from experiments.reports.written_files import write_calibration
     from experiments.studies import pipeline
     from identification.fit.unknowns.measured_text import parse_measured
 
     otherwise = tuple(map(parse_measured, measured))
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS) as progress, drawing_aside() as draw:
         findings = pipeline.calibrate(
             read,
             free=free or None,
@@ -67,7 +68,7 @@ def calibrate(
             progress=progress.part(0.0, 0.93),
         )
         progress("report", 0.93)
-        written = write_calibration(findings, out)
+        written = write_calibration(findings, out, draw=draw)
     summary.show(OUT, findings)
     for note in findings.notes:
         OUT.print(f"note: {note}")

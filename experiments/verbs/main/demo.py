@@ -15,6 +15,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         seed: Seed of the robot, its start poses and its noise.
     """
     set_up()
+    from experiments.page.drawing import drawing_aside
     from experiments.reports import summary
     from experiments.reports.written_files import write_calibration
     from experiments.studies.findings.parameters import covers
@@ -29,7 +30,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             f"`--out`: {logs} exists already, got a demo's folder or yours, expected none. "
             "Name another folder, or remove it."
         )
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS) as progress, drawing_aside() as draw:
         truth = rig.draw_truth(seed)
         made = rig.campaign(truth, seed, progress=progress.part(0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)
@@ -42,7 +43,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             progress=progress.part(0.2, 0.95),
         )
         progress("report", 0.95)
-        written = write_calibration(findings, out, truth=truth.values)
+        written = write_calibration(findings, out, truth=truth.values, draw=draw)
     summary.show(OUT, findings, truth=truth.values)
     wrote(logs, *written.paths)
     suggest(

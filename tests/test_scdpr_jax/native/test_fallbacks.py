@@ -85,7 +85,7 @@ def test_without_llvmlite(monkeypatch):
 def test_where_xla_has_no_header(monkeypatch, tmp_path):
     monkeypatch.setattr(jax.ffi, "include_dir", lambda: str(tmp_path))
     interface.header.cache_clear()
-    machine._fingerprint.cache_clear()
+    machine.fingerprint.cache_clear()
     assert_runs_by_xla_and_says("c_api.h", 1.25)
     interface.header.cache_clear()
 
@@ -103,9 +103,9 @@ def test_where_xla_speaks_another_version(monkeypatch, old, new, message, number
     assert changed != interface.header()
     for module in (machine, handler):
         monkeypatch.setattr(module, "header", lambda: changed)
-    machine._fingerprint.cache_clear()
+    machine.fingerprint.cache_clear()
     assert_runs_by_xla_and_says(message, number)
-    machine._fingerprint.cache_clear()
+    machine.fingerprint.cache_clear()
 
 
 def test_on_an_unchecked_system_nothing_is_said(monkeypatch):
