@@ -90,14 +90,14 @@ def _half_misfit(problem: Problem, vector: Float[Array, " n"]) -> Float[Array, "
         parts = []
         if rows:
             at = np.stack([unknowns.of_run(logs.cabled[k]) for k in rows])
-            lanes = jnp.asarray(rows)
-            sums = over_lanes(run_sums, problem.prior, free, x[at], lanes, logs.rough)
+            records = jax.tree.map(lambda leaf: leaf[np.array(rows)], logs.rough)
+            sums = over_lanes(run_sums, problem.prior, free, x[at], records)
             parts.append((at, sums.gradient, jnp.sum(sums.cost) + jnp.sum(sums.prior_cost)))
         bare = [k for k, i in enumerate(logs.motors) if i not in problem.held_out]
         if bare:
             at = np.stack([unknowns.local[logs.motors[k]] for k in bare])
-            lanes, records = jnp.asarray(bare), logs.motor_records
-            sums = over_lanes(motor_sums, problem.prior, free, x[at], lanes, records)
+            records = jax.tree.map(lambda leaf: leaf[np.array(bare)], logs.motor_records)
+            sums = over_lanes(motor_sums, problem.prior, free, x[at], records)
             parts.append((at, sums.gradient, jnp.sum(sums.cost)))
         if problem.options.measured:
             at = problem.measured_places()

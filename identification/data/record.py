@@ -186,16 +186,33 @@ def motor_record(runs: Sequence[Run], sensors: Sensors) -> MotorRecord:
 
 
 def _padded(records: Iterable[AnyRecord]) -> AnyRecord:
-    """Records as one, each array padded with zeros to the longest."""
+    """Records as one, each array padded with zeros to somewhat more than the longest."""
 
-    def together(*arrays: Float[Array, "..."]) -> Float[Array, "..."]:
-        longest = max(len(array) for array in arrays)
+    def together(path: tuple, *arrays: Float[Array, "..."]) -> Float[Array, "..."]:
+        longest, field = max(len(array) for array in arrays), path[0].name
+        if field != "prior":
+            fewer = field in _INTERVALS
+            longest = _roomy(longest + fewer) - fewer
         stack = np.zeros((len(arrays), longest, *arrays[0].shape[1:]))
         for row, array in zip(stack, arrays, strict=True):
             row[: len(array)] = array
         return jnp.asarray(stack)
 
-    return jax.tree.map(together, *records)
+    return jax.tree_util.tree_map_with_path(together, *records)
+
+
+_INTERVALS = ("inputs", "duration", "voltage")
+"""Fields of the records that have one row fewer than there are samples."""
+
+
+def _roomy(samples: int) -> int:
+    """The least of 2, 3, 4, 6, 8, 12 ... that is enough.
+
+    Logs are of any length. Rounded up they are of few, and what was compiled for a campaign
+    serves most others.
+    """
+    octave = 1 << max(samples - 1, 1).bit_length()
+    return octave * 3 // 4 if samples <= octave * 3 // 4 else octave
 
 
 def _camera(run: Run, offset: float) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
@@ -19,13 +18,16 @@ RunFunction = Callable[[Robot, tuple[str, ...], Float[Array, " n"], Record], Res
 holds them with the run's circumstances, and the run."""
 
 
+LANES = 8
+"""Simulations of a chunk, whatever a campaign and a machine have: those of a vector."""
+
+
 @kept_jit
 def over_lanes(
     function: RunFunction[Result],
     robot: Robot,
     free: tuple[str, ...],
-    unknowns: Float[Array, "lanes n"],
-    run: Int[Array, " lanes"],
+    unknowns: Float[Array | np.ndarray, "lanes n"],
     records: Record | MotorRecord,
 ) -> Result:
     """A function of several simulations, compiled for their number.
@@ -35,17 +37,12 @@ def over_lanes(
         robot: The robot with its fixed quantities.
         free: Names of the free quantities.
         unknowns: For each lane its run's free quantities and its circumstances.
-        run: Which of the runs each lane is.
-        records: The runs.
+        records: For each lane its run.
 
     Returns:
         The results, stacked.
     """
-
-    def lane(unknown: Float[Array, " n"], number: Int[Array, ""]) -> Result:
-        return function(robot, free, unknown, jax.tree.map(lambda leaf: leaf[number], records))
-
-    return jax.vmap(lane)(unknowns, run)
+    return jax.vmap(lambda *lane: function(robot, free, *lane))(unknowns, records)
 
 
 def in_lanes(
@@ -54,9 +51,9 @@ def in_lanes(
     free: tuple[str, ...],
     vectors: Float[np.ndarray, "count n"],
     run: Sequence[int],
-    records: Record,
+    records: Record | MotorRecord,
     *,
-    size: int,
+    size: int = LANES,
 ) -> Result:
     """A function of any number of simulations, compiled once.
 
@@ -73,11 +70,14 @@ def in_lanes(
     Returns:
         The results, stacked as the vectors are, as NumPy arrays.
     """
+    records = jax.tree.map(np.asarray, records)
 
     def chunk(
         lanes: tuple[Float[np.ndarray, "lanes n"], Int[np.ndarray, " lanes"]],
     ) -> Result:
-        return over_lanes(function, robot, free, *map(jnp.asarray, lanes), records)
+        unknowns, rows = lanes
+        own = jax.tree.map(lambda leaf: leaf[rows], records)
+        return over_lanes(function, robot, free, unknowns, own)
 
     return side_by_side(
         chunk,

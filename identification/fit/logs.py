@@ -13,7 +13,6 @@ import numpy as np
 from identification.campaign.types import Campaign, Run, Sensors
 from identification.data.record import MotorRecord, Record, coarse, motor_record, stacked
 from identification.data.start import Clock, clocks
-from scdpr_jax.numerics.side_by_side import CORES
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import value
 
@@ -91,11 +90,6 @@ class Logs:
             sensors=sensors,
             accepted=campaign.accepted,
         )
-
-    @property
-    def lanes(self) -> int:
-        """Runs that are simulated in one chunk: every core has one of them to do."""
-        return -(-len(self.cabled) // CORES)
 
     def of_drives(self) -> "Logs":
         """The same without the runs with the cable on, numbered as before."""

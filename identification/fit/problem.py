@@ -16,7 +16,7 @@ from jaxtyping import Float, Int
 from identification.campaign.types import Campaign
 from identification.data.circumstances import START
 from identification.data.record import Record
-from identification.fit.lanes import Result, RunFunction, in_lanes, over_lanes
+from identification.fit.lanes import LANES, Result, RunFunction, in_lanes
 from identification.fit.logs import Logs
 from identification.fit.residuals import Predicted, predicted
 from identification.fit.run_sums import RunSums, assemble, motor_sums, run_sums
@@ -32,6 +32,9 @@ from scdpr_jax.numerics.levenberg_marquardt import (
 from scdpr_jax.numerics.merit import Normal
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
+
+MOTOR_LANES = 2
+"""Runs of the bare drives that are simulated in a chunk: a campaign has few."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -100,7 +103,7 @@ class Problem:
         rows: Sequence[int],
         *,
         records: Record,
-        size: int,
+        size: int = LANES,
     ) -> Result:
         """A function of runs with the cable on, each at a point, side by side.
 
@@ -132,8 +135,7 @@ class Problem:
             The sums of these runs at the first point, then at the next, stacked.
         """
         each, every = [x for x in points for _ in rows], list(rows) * len(points)
-        rough, lanes = self.logs.rough, self.logs.lanes
-        return self.in_lanes(run_sums, each, every, records=rough, size=lanes)
+        return self.in_lanes(run_sums, each, every, records=self.logs.rough)
 
     def of_motors(
         self, function: RunFunction[Result], point: Float[np.ndarray, " n"]
@@ -148,15 +150,15 @@ class Problem:
             The results of all of them, stacked, as NumPy arrays.
         """
         motors = list(self.logs.motors)
-        results = over_lanes(
+        return in_lanes(
             function,
             self.prior,
             self.unknowns.free,
-            jnp.asarray(point[self.unknowns.local[motors]]),
-            jnp.arange(len(motors)),
+            point[self.unknowns.local[motors]],
+            range(len(motors)),
             self.logs.motor_records,
+            size=MOTOR_LANES,
         )
-        return jax.tree.map(np.asarray, results)
 
     def predictions(
         self, point: Float[np.ndarray, " n"], rows: Sequence[int] | None = None
@@ -171,8 +173,7 @@ class Problem:
             As of `identification.fit.residuals.predicted`, stacked.
         """
         rows = range(len(self.logs.cabled)) if rows is None else rows
-        records, lanes = self.logs.records, self.logs.lanes
-        return self.in_lanes(predicted, [point] * len(rows), rows, records=records, size=lanes)
+        return self.in_lanes(predicted, [point] * len(rows), rows, records=self.logs.records)
 
     def sums(
         self,

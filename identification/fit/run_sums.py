@@ -151,17 +151,10 @@ def run_sums(
     """
     residual, jacobian = residuals_and_jacobian(robot, free, unknown, record)
     end = record.length
-    when = jnp.concatenate([jnp.zeros(1), jnp.cumsum(record.inputs.duration)])
-
-    def stretch(time: Float[Array, " n"]) -> Int[Array, " n"]:
-        return jnp.clip(time / end * BLOCKS, 0.0, BLOCKS - 1.0).astype(int)
-
-    encoders = _channel_sums(
-        residual.angle, jacobian.angle, record.readings, stretch(when), end
-    )
-    camera = _channel_sums(
-        residual.frame, jacobian.frame, record.frames, stretch(record.frame_time), end
-    )
+    of_angles = _stretch(_instants(record.inputs.duration), end)
+    encoders = _channel_sums(residual.angle, jacobian.angle, record.readings, of_angles, end)
+    of_frames = _stretch(record.frame_time, end)
+    camera = _channel_sums(residual.frame, jacobian.frame, record.frames, of_frames, end)
     return _gathered((encoders, camera), residual, residual.prior, jacobian.prior)
 
 
@@ -221,11 +214,21 @@ def motor_sums(
         return residual, residual
 
     jacobian, residual = jax.jacfwd(both, has_aux=True)(unknown)
-    block = jnp.arange(residual.shape[0]) * BLOCKS // residual.shape[0]
-    count, duration = jnp.sum(record.share, axis=0), jnp.sum(record.duration)
-    encoders = _channel_sums(residual, jacobian, count, block, duration)
+    count, end = jnp.sum(record.share, axis=0), jnp.sum(record.duration)
+    of_angles = _stretch(_instants(record.duration), end)
+    encoders = _channel_sums(residual, jacobian, count, of_angles, end)
     nothing = jnp.zeros((0, unknown.size))
     return _gathered((encoders,), residual, nothing[:, 0], nothing)
+
+
+def _instants(duration: Float[Array, " intervals"]) -> Float[Array, " rows"]:
+    """Ends of intervals, the begin first [s]."""
+    return jnp.concatenate([jnp.zeros(1), jnp.cumsum(duration)])
+
+
+def _stretch(time: Float[Array, " n"], end: Float[Array, ""]) -> Int[Array, " n"]:
+    """Which of a run's `BLOCKS` an instant is in."""
+    return jnp.clip(time / end * BLOCKS, 0.0, BLOCKS - 1.0).astype(int)
 
 
 class _ChannelSums(NamedTuple):

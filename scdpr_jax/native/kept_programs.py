@@ -27,6 +27,7 @@ from scdpr_jax.native import machine, store
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
+Leaf = jax.Array | np.ndarray | np.generic
 Program = Callable[..., Any]
 """From arrays to a tree of arrays."""
 
@@ -81,7 +82,7 @@ class KeptJit(Generic[Given, Result]):
         self._program(*jax.tree.flatten(arrays), static)
 
     def _program(
-        self, leaves: Sequence[jax.Array], structure: jax.tree_util.PyTreeDef, static: PyTree
+        self, leaves: Sequence[Leaf], structure: jax.tree_util.PyTreeDef, static: PyTree
     ) -> Program:
         others, whole = jax.tree.flatten(static)
         shapes = tuple((leaf.shape, leaf.dtype) for leaf in leaves)
@@ -107,10 +108,10 @@ class KeptJit(Generic[Given, Result]):
 
 
 def _is_array(leaf: Any) -> bool:
-    return isinstance(leaf, (jax.Array, np.ndarray, np.generic))
+    return isinstance(leaf, Leaf)
 
 
-def _compiled(flat: jax.stages.Wrapped, leaves: Sequence[jax.Array], file: str) -> Program:
+def _compiled(flat: jax.stages.Wrapped, leaves: Sequence[Leaf], file: str) -> Program:
     """A function's program: kept from an earlier process, or kept now, or only compiled."""
     if not file or store.folder() is None:
         return flat.lower(*leaves).compile()
