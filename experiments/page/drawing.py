@@ -6,6 +6,7 @@ that threads would wait for each other.
 
 import concurrent.futures
 import contextlib
+import gc
 import multiprocessing
 import os
 from collections.abc import Callable, Iterator
@@ -76,4 +77,5 @@ def drawing_aside(processes: int = os.cpu_count() or 1) -> Iterator[Draw]:
 
 
 def _ready() -> None:
-    """Nothing; a process that is asked for it has begun."""
+    """A process that is asked for it has begun, and looks for no cycles of objects."""
+    gc.set_threshold(100_000, 20, 20)

@@ -54,7 +54,7 @@ def write_report(
     *,
     title: str,
     truth: dict[str, float] | None,
-    draw: Draw = draw,
+    pictures: "FitPictures | None" = None,
 ) -> None:
     """Write the report of a calibration, whole or not at all.
 
@@ -63,15 +63,18 @@ def write_report(
         findings: What the calibration comes to; it has its campaign.
         title: Its title.
         truth: True values by name [SI], where they are known.
-        draw: What draws its figures.
+        pictures: The pictures of the fit, if they have been begun.
 
     Raises:
         OSError: If the place can't be written to.
     """
-    picture, words = Pictures(draw=draw), findings.words
     campaign, estimate = findings.campaign, findings.estimate
     frequencies, tuning = findings.frequencies, findings.tuning
-    drawn, left_out = runs_to_draw(estimate.comparisons)
+    if pictures is None:
+        pictures = FitPictures(campaign, truth=truth)
+        pictures.begin(estimate)
+    picture, words = pictures.picture, findings.words
+    _, left_out = runs_to_draw(estimate.comparisons)
     text = page(
         "report.html.j2",
         title=title,
@@ -83,8 +86,8 @@ def write_report(
         rows=[parameter_row(parameter, truth=truth) for parameter in estimated(estimate)],
         fixed=[parameter_row(p) for p in estimate.parameters if p.status == "fixed"],
         with_truth=bool(truth),
-        parameter_pictures=list(_parameter_pictures(estimate, truth, picture)),
-        fit_pictures=list(_fit_pictures(estimate, picture)),
+        parameter_pictures=pictures.of_parameters,
+        fit_pictures=pictures.of_fit,
         predictions=_predictions(findings.predictions),
         model_tables=(*measured_tables(findings.measured), *model_tables(estimate)),
         moved=moved_table(estimate.identifiability),
@@ -99,12 +102,43 @@ def write_report(
             if tuning is None
             else tuning_pictures(tuning, robot=estimate.robot, picture=picture)
         ),
-        runs=[_run(campaign, comparison, picture) for comparison in drawn],
+        runs=pictures.of_runs,
         not_drawn=[comparison.name for comparison in left_out],
         method=method_notes(),
         provenance=_provenance(campaign, estimate),
     )
     write_whole(pathlib.Path(path), text)
+
+
+class FitPictures:
+    """The report's pictures of the fit, which are drawn while gains are still sought."""
+
+    def __init__(
+        self, campaign: Campaign, *, truth: dict[str, float] | None = None, draw: Draw = draw
+    ) -> None:
+        """A report without a picture.
+
+        Args:
+            campaign: The campaign.
+            truth: True values by name [SI], where they are known.
+            draw: What draws the report's figures.
+        """
+        self._campaign, self._truth = campaign, truth
+        self.picture = Pictures(draw=draw)
+        self.of_parameters: list[Picture] = []
+        self.of_fit: list[Picture] = []
+        self.of_runs: list[dict[str, Any]] = []
+
+    def begin(self, estimate: Estimate) -> None:
+        """Have the pictures drawn.
+
+        Args:
+            estimate: The estimate that the report will be of.
+        """
+        drawn, _ = runs_to_draw(estimate.comparisons)
+        self.of_runs = [_run(self._campaign, run, self.picture) for run in drawn]
+        self.of_parameters = list(_parameter_pictures(estimate, self._truth, self.picture))
+        self.of_fit = list(_fit_pictures(estimate, self.picture))
 
 
 def _tuning_sentences(tuning: TuningFindings | None) -> tuple[str, ...]:

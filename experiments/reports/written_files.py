@@ -3,8 +3,7 @@
 import dataclasses
 import pathlib
 
-from experiments.page.drawing import Draw, draw
-from experiments.reports.report import write_report
+from experiments.reports.report import FitPictures, write_report
 from experiments.studies.findings import Findings
 from identification.knocks.frequency_map import write_frequencies
 from identification.result.parameters_file import write_parameters
@@ -54,7 +53,7 @@ def write_calibration(
     out: pathlib.Path,
     *,
     truth: dict[str, float] | None = None,
-    draw: Draw = draw,
+    pictures: FitPictures | None = None,
 ) -> CalibrationFiles:
     """Write everything that a calibration gives, each file whole or not at all.
 
@@ -62,7 +61,7 @@ def write_calibration(
         findings: What it comes to.
         out: The folder.
         truth: True values by name, where they are known.
-        draw: What draws the report's figures.
+        pictures: The report's pictures of the fit, if they have been begun.
 
     Returns:
         The files.
@@ -79,7 +78,7 @@ def write_calibration(
         findings,
         title=f"Calibration of {findings.campaign.name}",
         truth=truth,
-        draw=draw,
+        pictures=pictures,
     )
     return CalibrationFiles(
         report, parameters, out / "frequencies.csv" if mapped else None, tuning

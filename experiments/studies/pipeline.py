@@ -1,7 +1,7 @@
 """From a campaign to its parameters, frequencies, gains and shapers."""
 
 import concurrent.futures
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -10,13 +10,13 @@ from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured
 from identification.fit.unknowns.options import DEFAULT_FREE, FitOptions
-from identification.knocks.frequency_map import frequency_map
+from identification.knocks.frequency_map import FrequencyMap, frequency_map
 from identification.result.estimate import Estimate
 from identification.result.estimation import estimate
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.prototype import consistent
 from tuning.gains.optimise import LEG_TIMES, Effort
-from tuning.gains.tune import prepare, tune
+from tuning.gains.tune import preparations, tune
 
 
 def held_out_by_default(campaign: Campaign) -> tuple[str, ...]:
@@ -53,6 +53,7 @@ def calibrate(
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     force: bool = False,
+    fitted: Callable[[Estimate], None] = lambda estimate: None,
     progress: Progress = SILENT,
 ) -> Findings:
     """Parameters, frequencies, gains and shapers of a campaign.
@@ -68,6 +69,7 @@ def calibrate(
         leg_times: Times of a leg that the tuning is made for [s].
         effort: How much is spent on the tuning.
         force: Whether to tune even if the fit has failed.
+        fitted: Told the estimate as soon as there is one, while gains are sought.
         progress: Told what is being done and which share of it is done.
 
     Returns:
@@ -78,9 +80,11 @@ def calibrate(
         FloatingPointError: If a run's simulation isn't finite.
     """
     names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
-    with concurrent.futures.ThreadPoolExecutor(1) as aside:
+    with concurrent.futures.ThreadPoolExecutor(2) as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
-        compiled = aside.submit(prepare, consistent(), leg_times=leg_times)
+        compiled = [
+            aside.submit(prepare) for prepare in preparations(consistent(), leg_times=leg_times)
+        ]
         options = FitOptions(
             free=DEFAULT_FREE if free is None else free,
             hold_out=names,
@@ -88,34 +92,41 @@ def calibrate(
             clock_drifts=clock_drifts,
         )
         fit = select if free is None else estimate
-        fitted = fit(campaign, options, progress=progress.part(0.02, 0.7))
-        compiled.result()
-    progress("ring-downs", 0.7)
-    notes = _notes(campaign, fitted)
-    frequencies = None
-    if any(run.kind == "pseudo_impulse" for run in campaign.runs):
-        try:
-            frequencies = frequency_map(campaign)
-            notes += [f"{name}: {why}" for name, why in frequencies.unresolved]
-        except ValueError as error:
-            notes.append(f"No frequency map: {error}")
-    tuned = None
-    if fitted.fits or force:
-        tuned = tune(
-            fitted,
-            frequencies,
-            leg_times=leg_times,
-            effort=effort,
-            force=force,
-            progress=progress.part(0.75, 0.95),
-        )
+        found = fit(campaign, options, progress=progress.part(0.02, 0.7))
+        told = aside.submit(fitted, found)
+        for each in compiled:
+            each.result()
+        progress("ring-downs", 0.7)
+        frequencies, unresolved = _frequencies(campaign)
+        tuned = None
+        if found.fits or force:
+            tuned = tune(
+                found,
+                frequencies,
+                leg_times=leg_times,
+                effort=effort,
+                force=force,
+                progress=progress.part(0.75, 0.95),
+            )
+        told.result()
     return findings(
-        fitted,
+        found,
         campaign=campaign,
         frequencies=frequencies,
         tuning=tuned,
-        notes=tuple(notes),
+        notes=(*_notes(campaign, found), *unresolved),
     )
+
+
+def _frequencies(campaign: Campaign) -> tuple[FrequencyMap | None, list[str]]:
+    """The measured map, if there is one, and what is to be said of it."""
+    if not any(run.kind == "pseudo_impulse" for run in campaign.runs):
+        return None, []
+    try:
+        frequencies = frequency_map(campaign)
+    except ValueError as error:
+        return None, [f"No frequency map: {error}"]
+    return frequencies, [f"{name}: {why}" for name, why in frequencies.unresolved]
 
 
 def _notes(campaign: Campaign, fitted: Estimate) -> list[str]:

@@ -12,7 +12,7 @@ in it.
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import jax
@@ -158,25 +158,29 @@ def optimise(
     )
 
 
-def compile_search(
+def search_preparations(
     task: Task,
     *,
     impulses: int = IMPULSES,
     leg_times: tuple[float, ...] = LEG_TIMES,
-) -> None:
-    """Compiles what `optimise` needs for any robot.
+) -> Iterator[Callable[[], None]]:
+    """What compiles what `optimise` needs for any robot.
 
     Args:
         task: A robot and the manoeuvre's poses.
         impulses: Impulses of the shaper.
         leg_times: Times of a leg that the same shaper is to serve [s].
+
+    Yields:
+        Functions that may be called in any order, and side by side.
     """
-    for leg in leg_times:
-        compile_runs(_around(task), alone(), unshaped(impulses), leg)
     flat, _ = jax.flatten_util.ravel_pytree(middle(impulses))
     nothing = LegMeasures(*[np.zeros(())] * len(dataclasses.fields(LegMeasures)))
-    baseline, within = (nothing,) * len(leg_times), any_bounds(task.ensemble.robot)
-    _slope.compile(flat, task, within, baseline, impulses=impulses, leg_times=leg_times)
+    given = flat, task, any_bounds(task.ensemble.robot), (nothing,) * len(leg_times)
+    yield functools.partial(_slope.compile, *given, impulses=impulses, leg_times=leg_times)
+    for leg in leg_times:
+        law = alone(), unshaped(impulses)
+        yield functools.partial(compile_runs, _around(task), *law, leg)
 
 
 def _around(task: Task) -> Task:

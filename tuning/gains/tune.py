@@ -1,6 +1,7 @@
 """From a fitted robot and its measured frequencies to gains and shapers."""
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol, runtime_checkable
 
 import jax
@@ -28,8 +29,9 @@ from tuning.gains.manoeuvre import (
     samples_for,
     track,
 )
-from tuning.gains.optimise import LEG_TIMES, Effort, compile_search, optimise
+from tuning.gains.optimise import LEG_TIMES, Effort, optimise, search_preparations
 from tuning.loop.admissible import admissible
+from tuning.loop.flexible_margins import compile_margins
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import MotorPlant
 from tuning.loop.worst_margins import margin_map, worst_margins
@@ -231,6 +233,10 @@ def _shapers(
     return chosen
 
 
+_CELLS = 8
+"""Cells whose shapers are designed in one call."""
+
+
 @kept_jit
 def _catalogue(
     frequency: Float[Array, " cells"], damping_ratio: Float[Array, " cells"], impulses: int
@@ -257,7 +263,14 @@ def _candidates(cells: Sequence[Cell], optimised: Shaper, reference: Cell) -> Sh
         np.array([getattr(cell, name) for cell in cells])
         for name in ("frequency", "damping_ratio")
     )
-    times, amplitudes = _catalogue(frequency, damping_ratio, optimised.times.size)
+    # Some cells at a time, the first ones again at the end: one compiled function serves all.
+    rows = np.arange(len(cells) + -len(cells) % _CELLS).reshape(-1, _CELLS) % len(cells)
+    parts = [
+        _catalogue(frequency[few], damping_ratio[few], optimised.times.size) for few in rows
+    ]
+    times, amplitudes = (
+        np.concatenate(part)[: len(cells)] for part in zip(*parts, strict=True)
+    )
     scaled = np.asarray(optimised.times) * (reference.frequency / frequency)[:, None]
     same = np.broadcast_to(optimised.amplitudes, scaled.shape)
     return Shaper(
@@ -291,16 +304,25 @@ def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
 _run = jax.jit(track, static_argnames="samples")
 
 
-def prepare(robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES) -> None:
-    """Compile what `tune` will run, on any robot, as it takes longer than running it.
+def preparations(
+    robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES
+) -> Iterator[Callable[[], None]]:
+    """What compiles what `tune` will run, on any robot, as it takes longer than running it.
 
     Args:
         robot: Any robot with the numbers of an ordinary one.
         leg_times: Times of a leg that the design will be optimised for [s].
+
+    Yields:
+        Functions that may be called in any order, and side by side.
     """
-    task = _task(exact(robot), height=_HEIGHT * float(robot.frame.height))
-    compile_search(task, leg_times=leg_times)
-    _predict(task, published_pd(), unshaped(IMPULSES), leg_times[0], longest=max(leg_times))
+    task, any_pd = _task(exact(robot), height=_HEIGHT * float(robot.frame.height)), alone()
+    yield from search_preparations(task, leg_times=leg_times)
+    yield functools.partial(compile_margins, task.ensemble.robot, any_pd)
+    modes = np.ones(_CELLS), np.zeros(_CELLS)
+    yield functools.partial(_catalogue.compile, *modes, IMPULSES)
+    nothing, longest = unshaped(IMPULSES), max(leg_times)
+    yield lambda: _predict(task, published_pd(), nothing, leg_times[0], longest=longest)
 
 
 def _predict(

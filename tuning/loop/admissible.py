@@ -9,11 +9,10 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD
-from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
-from tuning.loop.flexible_margins import margins_over_workspace
+from tuning.loop.flexible_margins import FlexibleMargins, margins_over_workspace
 from tuning.loop.loop_shaping import shape_sampled_loop
 from tuning.loop.plant import MotorPlant, sampled_response
 from tuning.loop.responses import sampled_delay, sampled_derivative
@@ -106,7 +105,8 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
         The bounds. Where no gains that are searched keep the margins, the most damped of
         them: `worst_margins` tells what is left.
     """
-    every = _heights(robots[0]) if not heights else jnp.asarray(heights)
+    every = np.asarray(heights or np.linspace(*reach(robots[0]), 3))
+    stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *robots)
     plant = _plant(robots[0])
     crossover = np.geomspace(*CROSSOVERS, _NODES)
     without, alone = np.transpose([_ends(plant, w) for w in crossover])
@@ -117,7 +117,7 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
             shape_sampled_loop(plant, crossover=w, phase_margin=m)
             for w, m in zip(crossover, margin, strict=True)
         ]
-        return np.min([_slack(robot, every, _stacked(pds)) for robot in robots], axis=0)
+        return np.array([_slack(margins_over_workspace(stacked, every, pd)) for pd in pds])
 
     good, bad = highest, np.clip(_LOWEST, without + _SHORT_OF_END, highest)
     above, below = slack(good), slack(bad)
@@ -147,7 +147,7 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
 
 
 def any_bounds(robot: Robot) -> Admissible:
-    """Bounds that nothing is known to keep, to compile with; `admissible`'s parts are, too.
+    """Bounds that nothing is known to keep, to compile with.
 
     Args:
         robot: A robot.
@@ -156,40 +156,21 @@ def any_bounds(robot: Robot) -> Admissible:
         The bounds.
     """
     plant, crossover = _plant(robot), np.geomspace(*CROSSOVERS, _NODES)
-    pds = [shape_sampled_loop(plant, crossover=w, phase_margin=_LOWEST) for w in crossover]
-    _slack.compile(robot, _heights(robot), _stacked(pds))
     lowest = np.full(_NODES, _LOWEST)
     return Admissible(plant, *map(jnp.asarray, (crossover, lowest, lowest + _RESERVE)))
-
-
-def _heights(robot: Robot) -> Float[Array, "3"]:
-    return jnp.linspace(*reach(robot), 3)
 
 
 def _plant(robot: Robot) -> MotorPlant:
     return MotorPlant(gain=drive_gain(robot.drive), pole=drive_pole(robot.drive))
 
 
-def _stacked(pds: Sequence[PD]) -> PD:
-    return jax.tree.map(lambda *leaves: np.stack(leaves), *pds)
-
-
-@kept_jit
-def _slack(robot: Robot, heights: Float[Array, " heights"], pds: PD) -> Float[Array, " nodes"]:
-    """By how much a robot's worst loop keeps its margins, relative to what it must [1]."""
-    robots = jax.tree.map(lambda leaf: leaf[None], robot)
-
-    def worst(pd: PD) -> Float[Array, ""]:
-        flexible = margins_over_workspace(robots, heights, pd)
-        # A loop whose gain never reaches one has no phase margin, and none to worry about.
-        phase = jnp.nan_to_num(flexible.margins.phase_margin, nan=jnp.inf)
-        least = jnp.minimum(
-            phase / PHASE_MARGIN, PEAK_SENSITIVITY / flexible.margins.peak_sensitivity
-        )
-        stable = flexible.spectral_radius < 1
-        return jnp.min(jnp.where(stable, least, 0.0)) - 1
-
-    return jax.lax.map(worst, pds)
+def _slack(flexible: FlexibleMargins) -> float:
+    """By how much the worst loop keeps its margins, relative to what it must [1]."""
+    # A loop whose gain never reaches one has no phase margin, and none to worry about.
+    phase = np.nan_to_num(flexible.margins.phase_margin, nan=np.inf)
+    peak = flexible.margins.peak_sensitivity
+    least = np.minimum(phase / PHASE_MARGIN, PEAK_SENSITIVITY / peak)
+    return float(np.min(np.where(flexible.spectral_radius < 1, least, 0.0))) - 1
 
 
 def _ends(plant: MotorPlant, crossover: float) -> tuple[float, float]:

@@ -8,6 +8,7 @@ import functools
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Complex, Float, Int
 
 from scdpr_jax.command.controller import PD
@@ -101,7 +102,11 @@ def flexible_margins(
 
 
 def margins_over_workspace(
-    robots: Robot, heights: Float[Array, " heights"], controller: PD, *, delay: int = 1
+    robots: Robot,
+    heights: Float[Array | np.ndarray, " heights"],
+    controller: PD,
+    *,
+    delay: int = 1,
 ) -> FlexibleMargins:
     """Margins of every joint loop at every height of every robot.
 
@@ -112,23 +117,49 @@ def margins_over_workspace(
         delay: Samples from a measurement to its command.
 
     Returns:
-        Margins by loop (those of `JOINT_LOOPS`), robot and height.
+        Margins by loop (those of `JOINT_LOOPS`), robot and height, as NumPy arrays.
     """
-    *margins, radius = _over_workspace(robots, heights, controller, delay)
+    # The last height again where some are missing: one compiled function serves any number.
+    count = len(heights)
+    rows = np.minimum(np.arange(count + -count % _HEIGHTS), count - 1).reshape(-1, _HEIGHTS)
+    height = np.asarray(heights)
+
+    def of_robot(number: int) -> list[Float[np.ndarray, "loops heights"]]:
+        robot = jax.tree.map(lambda leaf: np.asarray(leaf)[number], robots)
+        parts = [_at_heights(robot, height[few], controller, delay) for few in rows]
+        return [np.concatenate(leaf, axis=-1)[:, :count] for leaf in zip(*parts, strict=True)]
+
+    each = map(of_robot, range(len(jax.tree.leaves(robots)[0])))
+    *margins, radius = (np.stack(leaf, axis=1) for leaf in zip(*each, strict=True))
     return FlexibleMargins(Margins(*margins), radius)
 
 
+def compile_margins(robot: Robot, controller: PD, *, delay: int = 1) -> None:
+    """Compiles what `margins_over_workspace` needs.
+
+    Args:
+        robot: Any robot.
+        controller: Any controller.
+        delay: Samples from a measurement to its command.
+    """
+    _at_heights.compile(robot, np.zeros(_HEIGHTS), controller, delay)
+
+
+_HEIGHTS = 3
+"""Heights that are looked at in one call: what a search looks at."""
+
+
 @kept_jit
-def _over_workspace(
-    robots: Robot, heights: Float[Array, " heights"], controller: PD, delay: int
-) -> list[Float[Array, "loops robots heights"]]:
+def _at_heights(
+    robot: Robot, heights: Float[Array, " heights"], controller: PD, delay: int
+) -> list[Float[Array, "loops heights"]]:
     """The fields of `FlexibleMargins`, those of `Margins` first."""
 
     def of_height(height: Float[Array, ""]) -> FlexibleMargins:
-        def at(motion: Motion, robot: Robot) -> FlexibleMargins:
+        def at(motion: Motion) -> FlexibleMargins:
             return flexible_margins(robot, height, controller, motion=motion, delay=delay)
 
-        return jax.vmap(jax.vmap(at, in_axes=(None, 0)), in_axes=(0, None))(motions(), robots)
+        return jax.vmap(at)(motions())
 
     # Height by height, as all responses at once take gigabytes.
     margins = jax.tree.leaves(jax.lax.map(of_height, heights))

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -91,15 +90,11 @@ def margin_map(robots: Sequence[Fitted], controller: PD) -> MarginMap:
     Returns:
         The map.
     """
+    stacked = jax.tree.map(
+        lambda *leaves: np.stack(leaves), *(fitted.robot for fitted in robots)
+    )
     height = np.linspace(*reach(robots[0].robot), _HEIGHTS)
-    # One setting after the other: one compiled function serves any number of them.
-    each = [
-        margins_over_workspace(
-            jax.tree.map(lambda leaf: leaf[None], fitted.robot), jnp.asarray(height), controller
-        )
-        for fitted in robots
-    ]
-    flexible = jax.tree.map(lambda *leaves: np.concatenate(leaves, axis=1), *each)
+    flexible = margins_over_workspace(stacked, height, controller)
     return MarginMap(np.asarray([fitted.pretension for fitted in robots]), height, flexible)
 
 

@@ -52,12 +52,14 @@ def calibrate(
     set_up()
     from experiments.page.drawing import drawing_aside
     from experiments.reports import summary
+    from experiments.reports.report import FitPictures
     from experiments.reports.written_files import write_calibration
     from experiments.studies import pipeline
     from identification.fit.unknowns.measured_text import parse_measured
 
     otherwise = tuple(map(parse_measured, measured))
     with shown_progress(ERRORS) as progress, drawing_aside() as draw:
+        pictures = FitPictures(read, draw=draw)
         findings = pipeline.calibrate(
             read,
             free=free or None,
@@ -65,10 +67,11 @@ def calibrate(
             measured=otherwise,
             clock_drifts=camera_drifts,
             force=force,
+            fitted=pictures.begin,
             progress=progress.part(0.0, 0.93),
         )
         progress("report", 0.93)
-        written = write_calibration(findings, out, draw=draw)
+        written = write_calibration(findings, out, pictures=pictures)
     summary.show(OUT, findings)
     for note in findings.notes:
         OUT.print(f"note: {note}")

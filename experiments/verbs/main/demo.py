@@ -17,6 +17,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
     set_up()
     from experiments.page.drawing import drawing_aside
     from experiments.reports import summary
+    from experiments.reports.report import FitPictures
     from experiments.reports.written_files import write_calibration
     from experiments.studies.findings.parameters import covers
     from experiments.studies.pipeline import calibrate
@@ -35,15 +36,18 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         made = rig.campaign(truth, seed, progress=progress.part(0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)
         write_campaign(made.with_runs(rig.DEMONSTRATED), logs)
+        read = read_campaign(logs)
+        pictures = FitPictures(read, truth=truth.values, draw=draw)
         # One leg time and no descent: a demonstration has to be quick.
         findings = calibrate(
-            read_campaign(logs),
+            read,
             leg_times=LEG_TIMES[:1],
             effort=Effort(descents=0),
+            fitted=pictures.begin,
             progress=progress.part(0.2, 0.95),
         )
         progress("report", 0.95)
-        written = write_calibration(findings, out, truth=truth.values, draw=draw)
+        written = write_calibration(findings, out, truth=truth.values, pictures=pictures)
     summary.show(OUT, findings, truth=truth.values)
     wrote(logs, *written.paths)
     suggest(

@@ -28,6 +28,7 @@ from tuning.codesign import (
 from tuning.codesign.search import _starts, shaped
 from tuning.codesign.unknowns import Unknowns, command, law, plain_profile, start
 from tuning.loop.admissible import _slack, admissible
+from tuning.loop.flexible_margins import margins_over_workspace
 from tuning.shapers.catalogue import CATALOGUE
 
 ROBOT = exact(
@@ -79,11 +80,9 @@ def designs(within, few_lanes):
 
 
 def slack(controllers, heights):
-    robots, pds = (
-        jax.tree.map(lambda *leaves: jnp.stack(leaves), *each)
-        for each in (SETTINGS, controllers)
-    )
-    return np.asarray(_slack(robots, jnp.asarray(heights), pds))
+    robots = jax.tree.map(lambda *leaves: jnp.stack(leaves), *SETTINGS)
+    every = np.asarray(heights)
+    return np.array([_slack(margins_over_workspace(robots, every, pd)) for pd in controllers])
 
 
 def test_every_admissible_controller_keeps_its_margins(within):
