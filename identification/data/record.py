@@ -186,9 +186,9 @@ def motor_record(runs: Sequence[Run], sensors: Sensors) -> MotorRecord:
 
 
 def _padded(records: Iterable[AnyRecord]) -> AnyRecord:
-    """Records as one, each array padded with zeros to somewhat more than the longest."""
+    """Records as one of NumPy arrays, padded with zeros to somewhat more than the longest."""
 
-    def together(path: tuple, *arrays: Float[Array, "..."]) -> Float[Array, "..."]:
+    def together(path: tuple, *arrays: Float[Array, "..."]) -> Float[np.ndarray, "..."]:
         longest, field = max(len(array) for array in arrays), path[0].name
         if field != "prior":
             fewer = field in _INTERVALS
@@ -196,7 +196,7 @@ def _padded(records: Iterable[AnyRecord]) -> AnyRecord:
         stack = np.zeros((len(arrays), longest, *arrays[0].shape[1:]))
         for row, array in zip(stack, arrays, strict=True):
             row[: len(array)] = array
-        return jnp.asarray(stack)
+        return stack
 
     return jax.tree_util.tree_map_with_path(together, *records)
 
@@ -249,8 +249,7 @@ def coarse(records: Record, factor: int) -> Record:
     count = -(-inputs.duration.shape[-1] // factor)
     missing = count * factor - inputs.duration.shape[-1]
 
-    def grouped(array: Float[Array, "runs intervals *rest"]) -> Float[np.ndarray, "..."]:
-        array = np.asarray(array)
+    def grouped(array: Float[np.ndarray, "runs intervals *rest"]) -> Float[np.ndarray, "..."]:
         padded = np.pad(array, [(0, 0), (0, missing)] + [(0, 0)] * (array.ndim - 2))
         return padded.reshape(array.shape[0], count, factor, *array.shape[2:])
 
@@ -268,9 +267,9 @@ def coarse(records: Record, factor: int) -> Record:
                 voltage=np.sum(share[..., None] * grouped(inputs.voltage), axis=2),
                 knock=np.sum(share * grouped(inputs.knock), axis=2),
             ),
-            jnp.asarray(weighted / np.where(information > 0, information, 1.0)),
-            jnp.asarray(np.sqrt(information)),
-            jnp.asarray(np.minimum(windowed(records.angle_share, factor), 1.0)),
+            weighted / np.where(information > 0, information, 1.0),
+            np.sqrt(information),
+            np.minimum(windowed(records.angle_share, factor), 1.0),
         ),
     )
 

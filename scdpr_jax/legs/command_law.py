@@ -3,6 +3,7 @@
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from scdpr_jax.command.controller import Controller
@@ -76,4 +77,4 @@ def unshaped(impulses: int = 1) -> Shaper:
     Returns:
         The shaper.
     """
-    return Shaper(jnp.zeros(impulses), jnp.zeros(impulses).at[0].set(1.0))
+    return Shaper(np.zeros(impulses), np.eye(1, impulses)[0])

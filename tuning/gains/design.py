@@ -19,14 +19,15 @@ IMPULSES = 4
 class Design(eqx.Module):
     """Gains and a shaper as unconstrained numbers: whatever they are, both are sensible."""
 
-    loop: Float[Array, "... 2"]
+    loop: Float[Array | np.ndarray, "... 2"]
     """Logits of crossover and phase margin within what is admissible [1]."""
-    gaps: Float[Array, "... gaps"]
+    gaps: Float[Array | np.ndarray, "... gaps"]
     """Logits of the times between the impulses within `LONGEST_GAP` [1]."""
-    amplitudes: Float[Array, "... gaps"]
+    amplitudes: Float[Array | np.ndarray, "... gaps"]
     """Logarithms of all amplitudes but the last over the last one [1]."""
 
 
+@jax.jit
 def controller_of(within: Admissible, design: Design) -> PD:
     """The controller of a design, at its own period.
 
@@ -68,9 +69,7 @@ def middle(impulses: int) -> Design:
         The design.
     """
     return Design(
-        loop=jnp.zeros(2),
-        gaps=jnp.zeros(impulses - 1),
-        amplitudes=jnp.zeros(impulses - 1),
+        loop=np.zeros(2), gaps=np.zeros(impulses - 1), amplitudes=np.zeros(impulses - 1)
     )
 
 

@@ -115,7 +115,7 @@ def optimise(
         """Mean loss of each design, the pretension as fitted counting half."""
         crossed = len(designs), len(VARIATIONS)
         lanes = jax.tree.map(
-            lambda leaf: np.repeat(leaf, crossed[1], axis=0),
+            lambda leaf: np.repeat(np.asarray(leaf), crossed[1], axis=0),
             _laws(jnp.asarray(designs), within, impulses=impulses),
         )
         tasks = jax.tree.map(lambda leaf: np.concatenate([leaf] * crossed[0]), around)
@@ -186,8 +186,8 @@ def search_preparations(
 def _around(task: Task) -> Task:
     """The task for each of `VARIATIONS`, stacked."""
     single = task.ensemble
-    ensemble = jax.tree.map(jnp.asarray, varied(single.robot, VARIATIONS, single.position))
-    return Task(ensemble, jnp.tile(task.turn, (len(VARIATIONS), 1)))
+    ensemble = jax.tree.map(np.asarray, varied(single.robot, VARIATIONS, single.position))
+    return Task(ensemble, np.tile(np.asarray(task.turn), (len(VARIATIONS), 1)))
 
 
 @kept_jit

@@ -284,11 +284,11 @@ def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
     used = amplitudes != 0
     kept = Shaper(times[used], amplitudes[used])
 
-    damping_ratio = jnp.asarray(cell.damping_ratio)
+    damping_ratio = np.asarray(cell.damping_ratio)
     nominal = residual_vibration(
-        kept, frequency=jnp.asarray(cell.frequency), damping_ratio=damping_ratio
+        kept, frequency=np.asarray(cell.frequency), damping_ratio=damping_ratio
     )
-    worst = worst_in_band(kept, band=jnp.asarray(cell.band), damping_ratio=damping_ratio)
+    worst = worst_in_band(kept, band=np.asarray(cell.band), damping_ratio=damping_ratio)
     return RegionalShaper(
         region=cell.region,
         height=cell.height,

@@ -109,15 +109,13 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
     stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *robots)
     plant = _plant(robots[0])
     crossover = np.geomspace(*CROSSOVERS, _NODES)
-    without, alone = np.transpose([_ends(plant, w) for w in crossover])
+    without, alone = map(np.asarray, _ends(plant, crossover))
     highest = alone - _SHORT_OF_END
 
     def slack(margin: Float[np.ndarray, " nodes"]) -> Float[np.ndarray, " nodes"]:
-        pds = [
-            shape_sampled_loop(plant, crossover=w, phase_margin=m)
-            for w, m in zip(crossover, margin, strict=True)
-        ]
-        return np.array([_slack(margins_over_workspace(stacked, every, pd)) for pd in pds])
+        pds = jax.tree.map(np.asarray, _shaped(plant, crossover, margin))
+        each = [jax.tree.map(lambda leaf, i=i: leaf[i], pds) for i in range(_NODES)]
+        return np.array([_slack(margins_over_workspace(stacked, every, pd)) for pd in each])
 
     good, bad = highest, np.clip(_LOWEST, without + _SHORT_OF_END, highest)
     above, below = slack(good), slack(bad)
@@ -160,6 +158,7 @@ def any_bounds(robot: Robot) -> Admissible:
     return Admissible(plant, *map(jnp.asarray, (crossover, lowest, lowest + _RESERVE)))
 
 
+@jax.jit
 def _plant(robot: Robot) -> MotorPlant:
     return MotorPlant(gain=drive_gain(robot.drive), pole=drive_pole(robot.drive))
 
@@ -173,10 +172,29 @@ def _slack(flexible: FlexibleMargins) -> float:
     return float(np.min(np.where(flexible.spectral_radius < 1, least, 0.0))) - 1
 
 
-def _ends(plant: MotorPlant, crossover: float) -> tuple[float, float]:
+@jax.jit
+def _shaped(
+    plant: MotorPlant,
+    crossover: Float[Array | np.ndarray, " nodes"],
+    phase_margin: Float[Array | np.ndarray, " nodes"],
+) -> PD:
+    """Controllers of bare drives, stacked."""
+    return jax.vmap(lambda w, m: shape_sampled_loop(plant, crossover=w, phase_margin=m))(
+        crossover, phase_margin
+    )
+
+
+@jax.jit
+def _ends(
+    plant: MotorPlant, crossover: Float[Array | np.ndarray, " nodes"]
+) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"]]:
     """Phase margins of the bare drive without a derivative and with nothing else [rad]."""
-    period, w = jnp.asarray(1e-3), jnp.asarray(crossover)
-    drive = sampled_delay(w, period=period, delay=1) * sampled_response(plant, w, period=period)
-    derivative = sampled_derivative(w, period=period, filter_time=jnp.asarray(0.0))
-    without, alone = (float(jnp.angle(-loop)) for loop in (drive, derivative * drive))
-    return without, alone
+    period, filter_time = jnp.asarray(1e-3), jnp.asarray(0.0)
+
+    def of(w: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""]]:
+        lag = sampled_delay(w, period=period, delay=1)
+        drive = lag * sampled_response(plant, w, period=period)
+        derivative = sampled_derivative(w, period=period, filter_time=filter_time)
+        return jnp.angle(-drive), jnp.angle(-derivative * drive)
+
+    return jax.vmap(of)(crossover)

@@ -50,7 +50,7 @@ class FlexibleMargins(eqx.Module):
     r"""The least margins over all crossings; not numbers in an unstable loop. The phase
     margin is the angle to $-1$ in either direction, the delay margin the least of all
     crossings' lag over frequency."""
-    spectral_radius: Float[Array, "..."] = eqx.field(metadata=si("1", r"\rho"))
+    spectral_radius: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("1", r"\rho"))
     r"""Largest modulus of the closed loop's poles $\rho$ [1]; the loop is stable below 1."""
 
 

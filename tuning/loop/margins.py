@@ -6,6 +6,7 @@ from collections.abc import Callable
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from scdpr_jax.command.controller import PD
@@ -27,17 +28,21 @@ _SECTIONS = 40
 class Margins(eqx.Module):
     """How far a loop is from instability."""
 
-    gain_crossover: Float[Array, "..."] = eqx.field(metadata=si("rad/s", r"\omega_c"))
+    gain_crossover: Float[Array | np.ndarray, "..."] = eqx.field(
+        metadata=si("rad/s", r"\omega_c")
+    )
     r"""Where $|L| = 1$ with the least phase margin [rad/s]; NaN if nowhere."""
-    phase_margin: Float[Array, "..."] = eqx.field(metadata=si("rad", r"\varphi_m"))
+    phase_margin: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("rad", r"\varphi_m"))
     r"""Angle of $-L$ at the gain crossover [rad]; negative in an unstable loop."""
-    delay_margin: Float[Array, "..."] = eqx.field(metadata=si("s", r"\tau_m"))
+    delay_margin: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("s", r"\tau_m"))
     r"""Further delay that the loop bears, $\varphi_m / \omega_c$ [s]."""
-    phase_crossover: Float[Array, "..."] = eqx.field(metadata=si("rad/s", r"\omega_\pi"))
+    phase_crossover: Float[Array | np.ndarray, "..."] = eqx.field(
+        metadata=si("rad/s", r"\omega_\pi")
+    )
     """Where $L$ is real and negative with the least gain margin [rad/s]; NaN if nowhere."""
-    gain_margin: Float[Array, "..."] = eqx.field(metadata=si("1", "g_m"))
+    gain_margin: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("1", "g_m"))
     r"""Factor on the gain that brings $L$ to $-1$ [1]; infinite without a phase crossover."""
-    peak_sensitivity: Float[Array, "..."] = eqx.field(metadata=si("1", "M_s"))
+    peak_sensitivity: Float[Array | np.ndarray, "..."] = eqx.field(metadata=si("1", "M_s"))
     r"""Largest $1 / |1 + L|$ [1]; of no meaning in an unstable loop."""
 
 

@@ -4,7 +4,6 @@ import dataclasses
 import itertools
 from typing import Protocol, runtime_checkable
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -104,7 +103,7 @@ def other_modes(
     """
     rows = np.flatnonzero(frequencies.pretension == pretension)
     heights = np.asarray(frequencies.y[rows], dtype=float)
-    modes = [np.asarray(natural_frequencies(robot, jnp.asarray(y), BOTH_HELD)) for y in heights]
+    modes = [np.asarray(natural_frequencies(robot, np.asarray(y), BOTH_HELD)) for y in heights]
     return tuple(
         int(row)
         for row, frequency in zip(rows, modes, strict=True)
@@ -161,7 +160,7 @@ def _cell(
 
 
 def _held_frequency(robot: Robot, height: float) -> float:
-    return float(held_frequency(robot, jnp.asarray(height)))
+    return float(held_frequency(robot, np.asarray(height)))
 
 
 def _places(

@@ -128,15 +128,15 @@ def held_mode(tuning: Tuning, pretension: float) -> HeldMode:
     """
     robot = tuning.robot_at(pretension).robot
     here = regions_at(tuning.shapers, pretension)
-    frequency = jnp.asarray([regional.frequency for regional in here])
-    band = jnp.asarray([regional.band for regional in here])
-    heights = jnp.asarray([regional.height for regional in here])
+    frequency = np.array([regional.frequency for regional in here])
+    band = np.array([regional.band for regional in here])
+    heights = np.array([regional.height for regional in here])
     return HeldMode(
         robot=robot,
         schedule=schedule_of(tuning.shapers, pretension),
-        ratio=frequency / jax.vmap(held_frequency, (None, 0))(robot, heights),
-        spread=(band[:, 1] - band[:, 0]) / (2 * frequency),
-        damping_ratio=jnp.asarray([regional.damping_ratio for regional in here]),
+        ratio=jnp.asarray(frequency / np.asarray(_held_frequencies(robot, heights))),
+        spread=jnp.asarray((band[:, 1] - band[:, 0]) / (2 * frequency)),
+        damping_ratio=jnp.asarray(np.array([regional.damping_ratio for regional in here])),
     )
 
 
@@ -166,6 +166,9 @@ def residual_map(tuning: Tuning, pretension: float) -> ResidualMap:
     return ResidualMap(pretension, x, y, residual, np.asarray(promised))
 
 
+_held_frequencies = jax.jit(jax.vmap(held_frequency, (None, 0)))
+
+
 @eqx.filter_jit
 def _residuals(
     mode: HeldMode, poses: Float[Array, "rows columns 2"]
@@ -173,6 +176,7 @@ def _residuals(
     return jax.vmap(jax.vmap(mode.residual))(poses)
 
 
+@jax.jit
 def worst_in_band(
     shaper: Shaper, *, band: Float[Array, "2"], damping_ratio: Float[Array, ""]
 ) -> Float[Array, ""]:

@@ -3,7 +3,6 @@
 import dataclasses
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -142,12 +141,12 @@ def model_curve(robot: Robot) -> ModelCurve:
         The curve over the heights that the end-effector can reach.
     """
     body, frame = robot.end_effector, robot.frame
-    height = jnp.linspace(
+    height = np.linspace(
         float(body.lower_offset) + _CLEAR,
         float(frame.height - body.upper_offset) - _CLEAR,
         _HEIGHTS,
     )
-    return ModelCurve(np.asarray(height), np.asarray(_over_height(robot, height)))
+    return ModelCurve(height, np.asarray(_over_height(robot, height)))
 
 
 @jax.jit
