@@ -30,7 +30,7 @@ from experiments.reports.knock_table import knock_table_with_fft
 from experiments.reports.model_tables import measured_tables, model_tables, moved_table
 from experiments.reports.parameter_table import parameter_row
 from experiments.reports.tuning_section import tuning_pictures, tuning_tables
-from experiments.studies.findings import Findings
+from experiments.studies.findings.findings import Findings
 from experiments.studies.findings.influence import influence_sentences
 from experiments.studies.findings.models import combination_sentences
 from experiments.studies.findings.parameters import estimated

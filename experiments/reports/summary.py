@@ -17,7 +17,7 @@ from experiments.reports.model_tables import (
 )
 from experiments.reports.parameter_table import parameter_row, parameters_table
 from experiments.reports.tuning_section import tuning_tables
-from experiments.studies.findings import Findings
+from experiments.studies.findings.findings import Findings
 from experiments.studies.findings.influence import influence_sentences
 from experiments.studies.findings.parameters import estimated
 from experiments.studies.findings.tuning import tuning_sentences

@@ -4,7 +4,7 @@ import dataclasses
 import pathlib
 
 from experiments.reports.report import FitPictures, write_report
-from experiments.studies.findings import Findings
+from experiments.studies.findings.findings import Findings
 from identification.knocks.frequency_map import write_frequencies
 from identification.result.parameters_file import write_parameters
 from tuning.export import write_exports

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from experiments.studies.findings import Findings, findings
+from experiments.studies.findings.findings import Findings, findings
 from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured

@@ -2,17 +2,17 @@
 
 import dataclasses
 
-import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import joint_references
 from scdpr_jax.legs.command_law import Commands
 from scdpr_jax.legs.ensemble import Ensemble, Variation, varied
-from scdpr_jax.legs.leg import Leg, run_leg
+from scdpr_jax.legs.leg import Leg, leg_of, run_leg
+from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.plan import Plan
 from tuning.plan.planning import VARIATIONS
@@ -65,14 +65,18 @@ def plain_leg(robot: Robot, plan: Plan) -> Plan:
     Returns:
         The plain leg as a plan.
     """
-    leg = rest_to_rest(plan.position[0], plan.position[-1], duration=plan.time[-1])
-    position = jax.vmap(leg.position)(jnp.asarray(plan.time))
-    return Plan(
-        plan.time,
-        np.asarray(position),
-        np.asarray(joint_references(robot, position)),
-        np.zeros_like(plan.feedforward),
-    )
+    position, angle = map(np.asarray, _plain(robot, plan.position, plan.time))
+    return Plan(plan.time, position, angle, np.zeros_like(plan.feedforward))
+
+
+@kept_jit
+def _plain(
+    robot: Robot, position: Float[Array, "samples 2"], time: Float[Array, " samples"]
+) -> tuple[Float[Array, "samples 2"], Float[Array, "samples 2"]]:
+    """Places and angles of the plain profile between the ends of another."""
+    leg = rest_to_rest(position[0], position[-1], duration=time[-1])
+    plain = jax.vmap(leg.position)(time)
+    return plain, joint_references(robot, plain)
 
 
 def _words(variation: Variation) -> str:
@@ -90,12 +94,13 @@ def _words(variation: Variation) -> str:
 
 
 def _legs(robots: Ensemble, commands: Commands) -> tuple[Leg, ...]:
-    legs = jax.tree.map(np.asarray, _run(robots, commands))
-    return tuple(
-        jax.tree.map(lambda leaf, row=row: leaf[row], legs) for row in range(len(robots))
+    arrays = [np.asarray(array) for array in _run(robots, commands)]
+    return tuple(leg_of([array[row] for array in arrays]) for row in range(len(robots)))
+
+
+@kept_jit
+def _run(robots: Ensemble, commands: Commands) -> list[Float[Array, "robots ..."]]:
+    """The arrays of a leg for each robot."""
+    return jax.tree.leaves(
+        jax.vmap(lambda each: run_leg(each.robot, each.start, commands))(robots)
     )
-
-
-@eqx.filter_jit
-def _run(robots: Ensemble, commands: Commands) -> Leg:
-    return jax.vmap(lambda each: run_leg(each.robot, each.start, commands))(robots)

@@ -1,5 +1,7 @@
 """One leg: a robot run under a command law, and what came of it."""
 
+from collections.abc import Sequence
+
 import equinox as eqx
 import jax
 import numpy as np
@@ -58,6 +60,22 @@ class Leg(eqx.Module):
             voltage=cut(self.voltage)[: samples - 1],
             measures=self.measures,
         )
+
+
+def leg_of(arrays: Sequence[Array]) -> Leg:
+    """A leg of its arrays, in the order of `jax.tree.leaves`.
+
+    That is what a program that is kept (`scdpr_jax.native.kept_jit`) returns of it.
+
+    Args:
+        arrays: The arrays.
+
+    Returns:
+        The leg.
+    """
+    time, reference, commanded, position, velocity, voltage, *measures = arrays
+    states = State(position, velocity)
+    return Leg(time, reference, commanded, states, voltage, LegMeasures(*measures))
 
 
 def run_leg(

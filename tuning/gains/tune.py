@@ -13,7 +13,7 @@ from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
 from scdpr_jax.legs.command_law import unshaped
 from scdpr_jax.legs.ensemble import single
-from scdpr_jax.legs.leg import Leg
+from scdpr_jax.legs.leg import Leg, leg_of
 from scdpr_jax.native import kept_jit
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.drive import drive_gain, drive_pole
@@ -301,7 +301,12 @@ def _regional(cell: Cell, shaper: Shaper) -> RegionalShaper:
     )
 
 
-_run = jax.jit(track, static_argnames="samples")
+@kept_jit
+def _run(
+    task: Task, controller: PD, shaper: Shaper, leg_time: Float[Array, ""], samples: int
+) -> list[Float[Array, "..."]]:
+    """The arrays of a leg."""
+    return jax.tree.leaves(track(task, controller, shaper, leg_time, samples=samples))
 
 
 def preparations(
@@ -335,7 +340,7 @@ def _predict(
     def simulate(pd: PD, impulses: Shaper) -> tuple[Metrics, Leg]:
         # As many for every leg time, so that it compiles once; the rest is cut off.
         most, samples = (samples_for(t, float(pd.period)) for t in (longest, leg_time))
-        run = _run(task, pd, impulses, leg, samples=most)
+        run = leg_of(_run(task, pd, impulses, leg, most))
         return Metrics.of(run.measures), run.until(samples)
 
     before, run_before = simulate(published_pd(), padded(unshaped(), count))

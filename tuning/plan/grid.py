@@ -1,6 +1,5 @@
 """A leg's intervals: what a plan is computed on, all of it but the unknowns."""
 
-import functools
 from typing import NamedTuple
 
 import jax
@@ -8,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from scdpr_jax.native import kept_jit
 from tuning.plan.feedforward import Motion
 from tuning.plan.pace import Pace
 from tuning.plan.profile import Basis, plain_motion, spline_basis, with_deviation
@@ -57,31 +57,38 @@ def grid(
     leg_time, moving = pace.leg_time, pace.leg_time - REST
     period = leg_time / steps
     begins = period * np.arange(steps + hold)
-    # One more instant than intervals: the profile's own end is exact.
-    instants = [begins, begins + period / 2, begins + period]
-    whole, shorter = (
-        functools.partial(
-            plain_motion,
-            jnp.asarray(start),
-            jnp.asarray(end),
-            leg_time=jnp.asarray(time),
-            order=pace.order,
-        )
-        for time in (leg_time, moving)
-    )
+    middles = begins + period / 2
+    times = np.array([leg_time, moving])
     at_begin, at_middle = (
-        # The height has nothing to wait for: it takes the whole leg.
-        jax.tree.map(
-            lambda x, y: jnp.stack([x[:, 0], y[:, 1]], axis=1),
-            shorter(time=jnp.asarray(time)),
-            whole(time=jnp.asarray(time)),
-        )
-        for time in instants[:2]
+        Motion(*_held(start, end, times, time, pace.order)) for time in (begins, middles)
     )
-    ends = whole(time=jnp.asarray(instants[2])).position
+    # One more instant than intervals: the profile's own end is exact.
+    ends, *_ = _held(start, end, times[[0, 0]], begins + period, pace.order)
     splines = max(round(moving / SPLINE_WIDTH), 4)
-    curves = tuple(spline_basis(moving, time, splines=splines) for time in instants[:2])
+    curves = tuple(spline_basis(moving, time, splines=splines) for time in (begins, middles))
     return Grid(at_begin, at_middle, ends, curves, jnp.asarray(period))
+
+
+@kept_jit
+def _held(
+    start: Float[Array, "2"],
+    end: Float[Array, "2"],
+    leg_times: Float[Array, "2"],
+    time: Float[Array, " instants"],
+    order: int,
+) -> list[Float[Array, "instants 2"]]:
+    """Position, velocity and acceleration of the plain profile, and its own time for either.
+
+    The height has nothing to wait for: it takes the whole leg.
+    """
+    height, across = (
+        plain_motion(start, end, leg_time=leg_time, time=time, order=order)
+        for leg_time in leg_times
+    )
+    return [
+        jnp.stack([x[:, 0], y[:, 1]], axis=1)
+        for x, y in zip(jax.tree.leaves(across), jax.tree.leaves(height), strict=True)
+    ]
 
 
 def led(on: Grid, coefficients: Float[Array, " splines"]) -> tuple[Motion, Motion]:

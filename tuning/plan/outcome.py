@@ -6,7 +6,6 @@ constant force and the state as the drives stop is nearly linear in the motion: 
 robot's `arriving` leads into the valley, and `resting` of all robots goes down in it.
 """
 
-import functools
 from typing import NamedTuple
 
 import jax
@@ -16,6 +15,7 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.legs.ensemble import Ensemble
+from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.feedforward import Motion
 from tuning.plan.following import Followed, follow
@@ -61,6 +61,9 @@ class Outcome(NamedTuple):
     """How far the lower carriage is led out of the frame [m]."""
 
 
+jax.export.register_namedtuple_serialization(Outcome, serialized_name="Outcome")
+
+
 def run_planned(
     robot: Ensemble, controller: PD, on: Grid, coefficients: Float[Array, " splines"]
 ) -> Followed:
@@ -88,7 +91,7 @@ def run_planned(
     )
 
 
-@functools.partial(jax.jit, static_argnames="holding")
+@kept_jit
 def linearised(
     robots: Ensemble,
     controller: PD,

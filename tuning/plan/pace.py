@@ -5,9 +5,10 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
 from scdpr_jax.legs.ensemble import single
+from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.feedforward import inverse_dynamics
@@ -54,25 +55,24 @@ def chosen_pace(
     most = _PLAIN_SHARE * float(robot.drive.voltage_limit)
     time = LEG_TIME if leg_time is None else leg_time
     while True:
-        volts = [_plain_voltage(robot, start, end, Pace(time, order)) for order in ORDERS]
+        volts = np.asarray(_plain_voltages(robot, start, end, np.asarray(time)))
         if min(volts) <= most or leg_time is not None:
             first = next((k for k, v in enumerate(volts) if v <= most), int(np.argmin(volts)))
             return Pace(time, ORDERS[first])
         time = round(time + 0.1, 1)
 
 
-def _plain_voltage(
-    robot: Robot, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], pace: Pace
-) -> float:
-    """Largest command of the plain profile, the robot in line [V]."""
-    time = jnp.linspace(0.0, pace.leg_time, 41)[:-1]
-    motion = plain_motion(
-        jnp.asarray(start),
-        jnp.asarray(end),
-        leg_time=jnp.asarray(pace.leg_time),
-        time=time,
-        order=pace.order,
-    )
+@kept_jit
+def _plain_voltages(
+    robot: Robot, start: Float[Array, "2"], end: Float[Array, "2"], leg_time: Float[Array, ""]
+) -> Float[Array, " orders"]:
+    """Largest commands of the plain profiles of `ORDERS`, the robot in line [V]."""
+    time = jnp.linspace(0.0, leg_time, 41)[:-1]
     state = single(robot, start).start
-    volts = jax.vmap(lambda moment: inverse_dynamics(robot, state, moment))(motion)
-    return float(jnp.max(jnp.abs(volts)))
+
+    def largest(order: int) -> Float[Array, ""]:
+        motion = plain_motion(start, end, leg_time=leg_time, time=time, order=order)
+        volts = jax.vmap(lambda moment: inverse_dynamics(robot, state, moment))(motion)
+        return jnp.max(jnp.abs(volts))
+
+    return jnp.stack([largest(order) for order in ORDERS])

@@ -14,16 +14,17 @@ from collections.abc import Callable
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.engines.closed_loop import joint_references
-from scdpr_jax.legs.ensemble import Variation, single, varied
+from scdpr_jax.legs.ensemble import Ensemble, Variation, single, varied
+from scdpr_jax.native import kept_jit
 from scdpr_jax.numerics.levenberg_marquardt import Damping, Stopping, minimise
 from scdpr_jax.numerics.merit import SumOfSquares
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
-from tuning.plan.grid import REST, grid, led
+from tuning.plan.grid import REST, Grid, grid, led
 from tuning.plan.outcome import (
     Outcome,
     Pairs,
@@ -120,7 +121,7 @@ def _search(
     robots = varied(robot, VARIATIONS, start)
 
     def misfit(goal: _Goal, point: Float[np.ndarray, " n"]) -> SumOfSquares:
-        both = linearised(robots, controller, on, jnp.asarray(point), holding=holding)
+        both = linearised(robots, controller, on, point, holding=holding)
         value, slope = jax.tree.map(np.asarray, both)
         pairs = [part for each in (common, goal) for part in each(value, slope, robots.weight)]
         pairs.append(roughness(point))
@@ -162,17 +163,25 @@ def _at_full_rate(
     period = float(controller.period)
     steps = round(pace.leg_time / period)
     on = grid(start, end, pace=pace, steps=steps, hold=0)
-    run = _run_planned(single(robot, start), controller, on, jnp.asarray(coefficients))
-    driven = np.asarray(led(on, jnp.asarray(coefficients))[0].position)
-    places = np.asarray(run.states.pose)
-    last = np.zeros((1, 2))
-    along = np.concatenate([driven, end[None]])
+    run = _run_planned(single(robot, start), controller, on, coefficients, end)
+    places, angle, feedforward = map(np.asarray, run)
     return Plan(
         time=period * np.arange(steps + 1),
         position=np.concatenate([start[None], places[:-1], end[None]]),
-        angle=np.asarray(joint_references(robot, jnp.asarray(along))),
-        feedforward=np.concatenate([np.asarray(run.feedforward), last]),
+        angle=angle,
+        feedforward=np.concatenate([feedforward, np.zeros((1, 2))]),
     )
 
 
-_run_planned = jax.jit(run_planned)
+@kept_jit
+def _run_planned(
+    robot: Ensemble,
+    controller: PD,
+    on: Grid,
+    coefficients: Float[Array, " splines"],
+    end: Float[Array, "2"],
+) -> tuple[Float[Array, "steps 2"], Float[Array, "steps+1 2"], Float[Array, "steps 2"]]:
+    """Places at the ends of the intervals, the drives' angles, and the feed-forward."""
+    run = run_planned(robot, controller, on, coefficients)
+    along = jnp.concatenate([led(on, coefficients)[0].position, end[None]])
+    return run.states.pose, joint_references(robot.robot, along), run.feedforward

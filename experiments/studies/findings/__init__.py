@@ -2,6 +2,3 @@
 
 Reports, the terminal and files print these; none of them fits or judges anything itself.
 """
-
-from experiments.studies.findings.findings import Findings as Findings
-from experiments.studies.findings.findings import findings as findings

@@ -59,7 +59,7 @@ def identify(
         return BAD_INPUT
     set_up()
     from experiments.reports import summary
-    from experiments.studies.findings import findings
+    from experiments.studies.findings.findings import findings
     from identification.checks.leave_out import without_each_run
     from identification.checks.posterior import posterior as sampled
     from identification.checks.posterior import require_numpyro

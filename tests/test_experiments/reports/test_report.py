@@ -14,7 +14,7 @@ from report_samples import (
 )
 
 from experiments.reports.report import RUNS_DRAWN, method_notes, runs_to_draw, write_report
-from experiments.studies.findings import findings
+from experiments.studies.findings.findings import findings
 
 
 def written(folder, *, title="Calibration", truth=None, **changes):

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from experiments.reports import summary
 from experiments.reports.drive_report import write_drive_report
-from experiments.studies.findings import findings
+from experiments.studies.findings.findings import findings
 from identification.axis.drive_axis import EXTENDED_NAMES, DriveAxisEstimate
 from identification.axis.law import AxisLaws
 from identification.axis.log import AxisLog

@@ -12,7 +12,7 @@ from report_samples import campaign, estimate, frequencies, tuning
 import experiments.verbs
 from experiments.reports import written_files
 from experiments.studies import pipeline
-from experiments.studies.findings import findings
+from experiments.studies.findings.findings import findings
 from experiments.studies.findings.tuning import tuning_findings
 from experiments.verbs import console, log_doctor
 from experiments.verbs.main import calibrate

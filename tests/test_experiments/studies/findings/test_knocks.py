@@ -13,7 +13,7 @@ from report_samples import (
     knock_ring_down,
 )
 
-from experiments.studies.findings import findings
+from experiments.studies.findings.findings import findings
 from experiments.studies.findings.knocks import knock_decay, model_curve
 from scdpr_jax.linear.modes import BOTH_HELD, natural_frequencies
 from scdpr_jax.robot.prototype import consistent

@@ -5,7 +5,7 @@ import pytest
 from report_samples import estimate
 
 from experiments.reports.model_tables import measured_tables
-from experiments.studies.findings import findings
+from experiments.studies.findings.findings import findings
 from identification.fit.unknowns.measured import MeasuredFit, MeasuredQuantity
 from identification.fit.unknowns.options import FitOptions
 from identification.result.parameters_file import read_parameters, write_parameters

@@ -3,7 +3,7 @@ import dataclasses
 import pytest
 from report_samples import campaign, comparison, estimate
 
-from experiments.studies.findings import findings
+from experiments.studies.findings.findings import findings
 from experiments.studies.findings.residuals import excesses
 
 

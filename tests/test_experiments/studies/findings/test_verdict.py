@@ -4,7 +4,7 @@ import dataclasses
 
 import report_samples
 
-from experiments.studies.findings import findings
+from experiments.studies.findings.findings import findings
 from experiments.studies.findings.verdict import doubts, verdict
 from identification.judge.uncertainty import DOES_NOT_FIT
 from identification.judge.verdict import Unexplained, judged

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import pytest
 from report_samples import campaign, estimate, frequencies, parameter, skipped_run
 
-from experiments.studies.findings import findings
+from experiments.studies.findings.findings import findings
 from experiments.studies.findings.predictions import predictions
 from identification.fit.unknowns.options import FitOptions
 
