@@ -21,7 +21,12 @@ from jaxtyping import Array, Float
 from scdpr_jax import native
 from scdpr_jax.contacts.linear import AssumedFriction, Start, carriage, pulleys
 from scdpr_jax.contacts.response import departed
-from scdpr_jax.engines.arguments import check_finite, check_shape, check_start
+from scdpr_jax.engines.arguments import (
+    check_finite,
+    check_shape,
+    check_start,
+    possible_substeps,
+)
 from scdpr_jax.engines.propagator import Propagator, propagator
 from scdpr_jax.engines.stepping import with_start
 from scdpr_jax.robot.drive import motor_torque
@@ -64,11 +69,7 @@ def simulate_linear(
         ValueError: If `substeps` is below 1, a shape is another, the height isn't within the
             frame, the interval isn't above zero, or a number isn't finite.
     """
-    if substeps < 1:
-        raise ValueError(
-            f"`substeps` must be 1 or more [steps in an interval], got {substeps}. Take 1 for "
-            "inputs every 5 ms, 5 for inputs every 25 ms."
-        )
+    substeps = possible_substeps(substeps)
     check_start(robot, start)
     check_shape(voltage, ("n", 2), name="voltage", unit="V")
     check_finite(voltage, name="voltage", unit="V")
