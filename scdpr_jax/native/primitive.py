@@ -257,21 +257,35 @@ def _partly_used(
     return [i < count for i in range(len(given))], alone
 
 
+@functools.partial(jax.jit, static_argnames=("wanted", "moving", "step"))
+def _by_few(
+    operands: Sequence[jax.Array],
+    cotangents: Sequence[jax.Array],
+    *,
+    wanted: reverse.Shapes,
+    moving: tuple[bool, ...],
+    step: Step,
+) -> list[jax.Array | None]:
+    """Reverse mode by few numbers, one program where it isn't part of one."""
+    shapes = [own.shape[1:] for own, moves in zip(operands, moving, strict=True) if moves]
+
+    def slopes(along: Sequence[jax.Array]) -> list[jax.Array]:
+        return _slopes_p.bind(*operands, *along, moving=moving, step=step)
+
+    return reverse.contracted(slopes, shapes, cotangents, wanted=wanted)
+
+
 def _pulled(
     cotangents: Sequence, *given: object, moving: tuple[bool, ...], **static: Step
 ) -> list:
-    seeds = given[len(moving) :]
-    operands = given[: len(moving)]
+    operands, seeds = given[: len(moving)], given[len(moving) :]
     cotangents = [ad.instantiate_zeros(own) for own in cotangents]
-    if reverse.is_short(seeds):
-
-        def slopes(along: Sequence[jax.Array]) -> list[jax.Array]:
-            return _slopes_p.bind(*operands, *along, moving=moving, **static)
-
-        found = reverse.contracted(slopes, seeds, cotangents)
-    else:
+    wanted = reverse.wanted(seeds)
+    if wanted is None:
         function, own = _moved(given, moving, **static)
         found = jax.vmap(jax.vjp(function, *own)[1], -1, 1)(cotangents)
+    else:
+        found = _by_few(operands, cotangents, wanted=wanted, moving=moving, **static)
     pulled: list = [None] * len(moving)
     for x, seed in zip(found, seeds, strict=True):
         wanted = ad.is_undefined_primal(seed)

@@ -8,11 +8,11 @@ twice. By many numbers, such as the inputs of all steps, reverse mode is what it
 """
 
 import itertools
+import math
 from collections.abc import Callable, Sequence
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax.interpreters import ad
 from jaxtyping import Array, Float
 
@@ -23,74 +23,74 @@ TOGETHER = 20
 
 Seed = jax.Array | ad.UndefinedPrimal
 """Tangents behind axes of robots and of tangents, or what is to be found of them."""
+Shapes = tuple[tuple[int, ...] | None, ...]
+"""Of seeds without robots and tangents; none of those that are known."""
 
 
-def is_short(seeds: Sequence[Seed]) -> bool:
-    """Whether reverse mode by some seeds is forward mode by each.
+def wanted(seeds: Sequence[Seed]) -> Shapes | None:
+    """What is to be found, if it is few numbers.
 
     Args:
         seeds: The seeds.
 
     Returns:
-        Whether there are few enough numbers to be found.
+        Shapes of the seeds; none if reverse mode had better be what it is.
     """
-    return sum(_size(own) for own in seeds if ad.is_undefined_primal(own)) <= MOST
+    shapes = tuple(
+        tuple(own.aval.shape[2:]) if ad.is_undefined_primal(own) else None for own in seeds
+    )
+    return shapes if sum(map(_size, shapes)) <= MOST else None
 
 
-def _shape(seed: Seed) -> tuple[int, ...]:
-    """A seed's own shape, without robots and tangents."""
-    return (seed.aval if ad.is_undefined_primal(seed) else seed).shape[2:]
-
-
-def _size(seed: Seed) -> int:
-    return int(np.prod(_shape(seed)))
+def _size(shape: tuple[int, ...] | None) -> int:
+    return 0 if shape is None else math.prod(shape)
 
 
 def contracted(
     slopes: Callable[[list[Array]], list[Float[Array, "robots ..."]]],
-    seeds: Sequence[Seed],
+    seeds: Sequence[tuple[int, ...]],
     cotangents: Sequence[Float[Array, "robots ..."]],
+    *,
+    wanted: Shapes,
 ) -> list[Array | None]:
     """Cotangents of seeds, for each robot and each cotangent.
 
     Args:
         slopes: Derivatives along seeds, with the tangents last.
-        seeds: The seeds, of which those that aren't known are to be found.
+        seeds: Shapes of all seeds.
         cotangents: Cotangents of the derivatives, several of them last.
+        wanted: Shapes of those that are to be found.
 
     Returns:
         What is found of each seed; None of a known one.
     """
-    sizes = [_size(own) if ad.is_undefined_primal(own) else 0 for own in seeds]
+    sizes = [*map(_size, wanted)]
     ends = [*itertools.accumulate(sizes, initial=0)]
-    count = ends[-1]
-    parts = -(-count // TOGETHER) or 1
-    wide = -(-count // parts) or 1
+    parts = -(-ends[-1] // TOGETHER) or 1
+    wide = -(-ends[-1] // parts) or 1
     dtype = cotangents[0].dtype
 
     def part(number: Array) -> Float[Array, "robots cotangents wide"]:
         columns = jnp.arange(wide) + wide * number
 
-        def along(seed: Seed, first: int, size: int) -> Array:
+        def along(shape: tuple[int, ...], first: int, size: int) -> Array:
+            full = (1, wide, *shape)
+            if not size:
+                return jnp.zeros(full, dtype)
             rows = jnp.arange(first, first + size)
-            unit = (columns[:, None] == rows[None, :]).astype(dtype)
-            shape = (1, wide, *_shape(seed))
-            return unit.reshape(shape) if size else jnp.zeros(shape, dtype)
+            return (columns[:, None] == rows[None, :]).astype(dtype).reshape(full)
 
         pushed = slopes([along(*of) for of in zip(seeds, ends[:-1], sizes, strict=True)])
-        products = (
-            jnp.einsum("rnp,rnt->rtp", _flat(x), _flat(c))
-            for x, c in zip(pushed, cotangents, strict=True)
-        )
-        return sum(products)
+        pairs = zip(pushed, cotangents, strict=True)
+        return sum(jnp.einsum("rnp,rnt->rtp", _flat(x), _flat(y)) for x, y in pairs)
 
     found = jax.lax.map(part, jnp.arange(parts))
     found = jnp.moveaxis(found, 0, 2).reshape(*found.shape[1:3], -1)
     return [
-        found[:, :, first : first + size].reshape(*found.shape[:2], *_shape(seed))
-        if size or ad.is_undefined_primal(seed)
-        else None
-        for seed, first, size in zip(seeds, ends[:-1], sizes, strict=True)
+        None
+        if shape is None
+        else found[:, :, first : first + size].reshape(*found.shape[:2], *shape)
+        for shape, first, size in zip(wanted, ends[:-1], sizes, strict=True)
     ]
 
 
