@@ -113,6 +113,26 @@ def possible_duration(
     return refuse(duration, ~((numbers >= 0) & (numbers <= _LONGEST)).all(), message)
 
 
+def possible_substeps(substeps: int) -> int:
+    """How many steps an interval of inputs has, one at least.
+
+    Args:
+        substeps: The number.
+
+    Returns:
+        The number.
+
+    Raises:
+        ValueError: If it is below 1.
+    """
+    if substeps < 1:
+        raise ValueError(
+            f"`substeps` must be 1 or more [steps in an interval], got {substeps}. Take 1 for "
+            "inputs every 5 ms, 5 for inputs every 25 ms."
+        )
+    return substeps
+
+
 def check_start(robot: Robot, start: State) -> None:
     """Refuse a robot or a start that can't be one.
 

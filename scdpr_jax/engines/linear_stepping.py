@@ -12,6 +12,7 @@ that stops at every event can't be batched, as its runs have different numbers o
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -21,7 +22,12 @@ from jaxtyping import Array, Float
 from scdpr_jax import native
 from scdpr_jax.contacts.linear import AssumedFriction, Start, carriage, pulleys
 from scdpr_jax.contacts.response import departed
-from scdpr_jax.engines.arguments import check_finite, check_shape, check_start
+from scdpr_jax.engines.arguments import (
+    check_finite,
+    check_shape,
+    check_start,
+    possible_substeps,
+)
 from scdpr_jax.engines.propagator import Propagator, propagator
 from scdpr_jax.engines.stepping import with_start
 from scdpr_jax.robot.drive import motor_torque
@@ -64,11 +70,7 @@ def simulate_linear(
         ValueError: If `substeps` is below 1, a shape is another, the height isn't within the
             frame, the interval isn't above zero, or a number isn't finite.
     """
-    if substeps < 1:
-        raise ValueError(
-            f"`substeps` must be 1 or more [steps in an interval], got {substeps}. Take 1 for "
-            "inputs every 5 ms, 5 for inputs every 25 ms."
-        )
+    substeps = possible_substeps(substeps)
     check_start(robot, start)
     check_shape(voltage, ("n", 2), name="voltage", unit="V")
     check_finite(voltage, name="voltage", unit="V")
@@ -82,8 +84,8 @@ def simulate_linear(
         duration=_positive(interval) / substeps,
         rubbing_drives=rubbing_drives,
     )
-    pushes = _accelerations(robot, voltage, knock)
-    _, states = native.run(_advance, _Interval(tables, substeps), start, pushes)
+    held = _Held(voltage, jnp.zeros_like(voltage[:, 0]) if knock is None else knock)
+    _, states = native.run(_advance, _Interval(robot, tables, substeps), start, held)
     return with_start(start, states)
 
 
@@ -97,16 +99,29 @@ def _positive(interval: Float[Array, ""]) -> Float[Array, ""]:
     return refuse(interval, ~((known > 0) & (known < jnp.inf)), message)
 
 
-class _Interval(eqx.Module):
-    """What an interval of held inputs needs to know."""
+class _Held(NamedTuple):
+    """Inputs of an interval, or of all."""
 
+    voltage: Float[Array, "... 2"]
+    knock: Float[Array, "..."]
+
+
+class _Interval(eqx.Module):
+    """What an interval of held inputs needs to know.
+
+    What a voltage does is worked out there, so that derivatives are by the robot's numbers and
+    not by those of all intervals.
+    """
+
+    robot: Robot
     tables: Propagator
     """A tabulated step."""
     substeps: int = eqx.field(static=True)
     """Steps in the interval."""
 
 
-def _advance(interval: _Interval, state: State, push: Float[Array, "3"]) -> tuple[State, State]:
+def _advance(interval: _Interval, state: State, held: _Held) -> tuple[State, State]:
+    push = _accelerations(interval.robot, held.voltage, held.knock)
     following = jax.lax.fori_loop(
         0, interval.substeps, lambda _, now: _step(interval.tables, now, push), state
     )
@@ -133,26 +148,22 @@ def linear_step(
     Returns:
         State at the end; what sticks has a velocity, or a pulley's rate, of exactly zero.
     """
-    (push,) = _accelerations(robot, voltage[None], knock[None])
-    return _step(tables, state, push)
+    return _step(tables, state, _accelerations(robot, voltage, knock))
 
 
 def _accelerations(
-    robot: Robot, voltage: Float[Array, "n 2"], knock: Float[Array, " n"] | None
-) -> Float[Array, "n 3"]:
+    robot: Robot, voltage: Float[Array, "2"], knock: Float[Array, ""]
+) -> Float[Array, "3"]:
     """What the inputs do to the lower carriage, the end-effector and the height [m/s²]."""
     mass = masses(robot)
-    torque = motor_torque(robot.drive, voltage)
-    forces = jax.vmap(drive_forces, in_axes=(None, 0))(robot, torque)
-    knock = jnp.zeros_like(voltage[:, 0]) if knock is None else knock
+    forces = drive_forces(robot, motor_torque(robot.drive, voltage))
     weight = robot.gravity * robot.end_effector.mass
     return jnp.stack(
         [
-            forces[:, LOWER] / mass[LOWER],
+            forces[LOWER] / mass[LOWER],
             knock / mass[X],
-            (forces[:, HEIGHT] - weight) / mass[HEIGHT],
-        ],
-        axis=1,
+            (forces[HEIGHT] - weight) / mass[HEIGHT],
+        ]
     )
 
 

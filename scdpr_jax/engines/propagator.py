@@ -1,6 +1,9 @@
 r"""A step of the linear robot between friction's events, tabulated: a matrix exponential."""
 
+import functools
+
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -47,6 +50,7 @@ class Propagator(eqx.Module):
     it isn't followed."""
 
 
+@functools.partial(jax.jit, static_argnames="rubbing_drives")
 def propagator(
     robot: Robot,
     *,
@@ -55,6 +59,9 @@ def propagator(
     rubbing_drives: bool = True,
 ) -> Propagator:
     """The step of the robot near an aligned pose, tabulated.
+
+    It is one compiled program, as a notebook that doesn't compile would otherwise compile
+    hundreds of small ones for it, twenty milliseconds each and in every process.
 
     Args:
         robot: The robot, with `Coulomb` friction on both carriages.

@@ -33,16 +33,12 @@ from scdpr_jax.contacts.branches import PAIR, Pair, Three, act, less
 from scdpr_jax.contacts.motion import Assumed
 from scdpr_jax.contacts.polynomial import Cubic, Quadratic, cubic_between
 from scdpr_jax.contacts.response import Response, departed
-from scdpr_jax.engines.arguments import (
-    check_finite,
-    check_shape,
-    check_start,
-    possible_duration,
-)
+from scdpr_jax.engines.arguments import check_shape, check_start, possible_substeps
+from scdpr_jax.engines.inputs import Inputs as Inputs
+from scdpr_jax.engines.inputs import possible_inputs as possible_inputs
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
 from scdpr_jax.robot.drive import motor_torque
 from scdpr_jax.robot.dynamics import dampings, masses, smooth_forces
-from scdpr_jax.robot.fields import real, si
 from scdpr_jax.robot.friction import Coulomb
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, with_coordinates
@@ -50,69 +46,29 @@ from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, with_coordinates
 _Run = TypeVar("_Run")
 
 
-class Inputs(eqx.Module):
-    """What acts on the robot in the intervals of a time grid, held through each."""
-
-    duration: Float[Array, "..."] = eqx.field(converter=real, metadata=si("s", "h"))
-    """Lengths of the intervals [s]; one of length 0 leaves the state as it is."""
-    voltage: Float[Array, "... 2"] = eqx.field(converter=real, metadata=si("V", "V"))
-    """Commands to the two drives [V]."""
-    knock: Float[Array, "..."] = eqx.field(converter=real, metadata=si("N", "F"))
-    """Horizontal force on the end-effector [N]."""
-
-    def __check_init__(self):
-        rows = jnp.shape(self.voltage)[:-1]
-        check_shape(self.voltage, (*rows, 2), name="voltage", unit="V")
-        for name, unit in (("duration", "s"), ("knock", "N")):
-            lengths = jnp.shape(getattr(self, name))
-            # One number stands for all intervals.
-            if lengths:
-                check_shape(getattr(self, name), rows, name=name, unit=unit)
-        possible_duration(self.duration)
-        check_finite(self.voltage, name="voltage", unit="V")
-        check_finite(self.knock, name="knock", unit="N")
-
-
-def simulate(robot: Robot, start: State, inputs: Inputs) -> State:
+def simulate(robot: Robot, start: State, inputs: Inputs, *, substeps: int = 1) -> State:
     """Trajectory of the robot on the grid of its inputs.
 
     Args:
         robot: The robot, with `Coulomb` friction on both carriages.
         start: State at the first instant.
         inputs: Commands and knocks, one row for each of `n` intervals.
+        substeps: Steps in an interval; the error falls with nearly their fourth power. Steps
+            of 5 ms are good to a micrometre.
 
     Returns:
         States at the `n + 1` ends of the intervals, the start first.
 
     Raises:
         TypeError: If a carriage has another friction law.
-        ValueError: If a shape is another, a duration is negative, or a number isn't finite or
-            can't be a robot's; a negative duration that is traced gives NaN.
+        ValueError: If a shape is another, a duration is negative, `substeps` is below 1, or a
+            number isn't finite or can't be a robot's; a negative duration that is traced gives
+            NaN.
     """
     check_start(robot, start)
-    _, states = native.run(_advance, robot, start, possible_inputs(inputs))
+    interval = _Interval(robot, possible_substeps(substeps))
+    _, states = native.run(_advance, interval, start, possible_inputs(inputs))
     return with_start(start, states)
-
-
-def possible_inputs(inputs: Inputs) -> Inputs:
-    """Inputs of a time grid, a row for each interval.
-
-    Args:
-        inputs: The inputs.
-
-    Returns:
-        The inputs; durations are NaN where they are traced and one is negative.
-
-    Raises:
-        ValueError: If a shape is another, a duration is negative, or a number isn't finite.
-    """
-    rows = jnp.shape(inputs.duration)[:1]
-    check_shape(inputs.duration, ("n",), name="duration", unit="s")
-    check_shape(inputs.voltage, (*rows, 2), name="voltage", unit="V")
-    check_shape(inputs.knock, rows, name="knock", unit="N")
-    check_finite(inputs.voltage, name="voltage", unit="V")
-    check_finite(inputs.knock, name="knock", unit="N")
-    return Inputs(possible_duration(inputs.duration), inputs.voltage, inputs.knock)
 
 
 def with_start(start: _Run, following: _Run) -> _Run:
@@ -130,9 +86,23 @@ def with_start(start: _Run, following: _Run) -> _Run:
     )
 
 
-def _advance(robot: Robot, state: State, held: Inputs) -> tuple[State, State]:
-    """A step that is carried on and told."""
-    following = step(robot, state, held)
+class _Interval(eqx.Module):
+    """What an interval of held inputs needs to know."""
+
+    robot: Robot
+    substeps: int = eqx.field(static=True)
+    """Steps in the interval."""
+
+
+def _advance(interval: _Interval, state: State, held: Inputs) -> tuple[State, State]:
+    """An interval whose end is carried on and told."""
+    if interval.substeps == 1:
+        following = step(interval.robot, state, held)
+        return following, following
+    part = Inputs(held.duration / interval.substeps, held.voltage, held.knock)
+    following = jax.lax.fori_loop(
+        0, interval.substeps, lambda _, now: step(interval.robot, now, part), state
+    )
     return following, following
 
 

@@ -186,7 +186,8 @@ over:"""
         held, first = next(own for own in operands if own.rows), results[0]
         yield f"%steps = add i64 0, %{held.name}.dim1"
         yield f"%robots = add i64 0, %{first.name}.robots"
-        yield f"%tangents = add i64 0, {f'%{first.name}.many' if first.each else '1'}"
+        many = next((f"%{own.name}.many" for own in results if own.each), "1")
+        yield f"%tangents = add i64 0, {many}"
         for own in every:
             yield from self._distances(own)
         for own, (word, kind), place in self.kernel.places():

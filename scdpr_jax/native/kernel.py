@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from scdpr_jax.native.llvm_ir import llvm_ir, loop
 from scdpr_jax.native.scalar.program import Program
 
-MOST_TANGENTS = 16
+MOST_TANGENTS = 20
 """Tangents that a group's memory has room for."""
-MOST_NUMBERS = 2048
+MOST_NUMBERS = 1600
 """Numbers of a robot in all arrays of a step, without tangents: they lie on the stack."""
 
 TASK = ("next", "done", "users", "groups", "last", "steps", "tangents")

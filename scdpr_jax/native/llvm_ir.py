@@ -22,6 +22,10 @@ from scdpr_jax.native.scalar.program import (
     Variable,
     own_cells,
 )
+from scdpr_jax.native.scalar.scope import first_free
+
+TOGETHER = 2
+"""Tangents that a loop takes at a time."""
 
 _INTRINSICS = {
     **{
@@ -127,6 +131,7 @@ class _Printer:
             "firsts": f"<{lanes} x i32> zeroinitializer",
         }
         self.numbers = itertools.count()
+        self.free = itertools.count(first_free(program.body))
 
     def function(self, name: str) -> Iterator[str]:
         """All lines of the function."""
@@ -159,7 +164,34 @@ class _Printer:
                     inside = itertools.chain([count], self._block(body, tangent))
                     yield from loop(f"k{n}", str(times), inside)
                 case Each(body):
-                    yield from loop(f"p{n}", "%tangents", self._block(body, f"%p{n}"))
+                    yield from self._each(body, n)
+
+    def _each(self, body: Block, n: int) -> Iterator[str]:
+        """A loop over tangents, some at a time: what they share is loaded once for them."""
+        yield f"%q{n}.all = sdiv i64 %tangents, {TOGETHER}"
+        yield from loop(f"q{n}", f"%q{n}.all", self._together(body, f"%q{n}"))
+        yield f"%r{n}.first = mul i64 %q{n}.all, {TOGETHER}"
+        yield f"%r{n}.rest = sub i64 %tangents, %r{n}.first"
+        alone = itertools.chain(
+            [f"%p{n} = add i64 %r{n}.first, %r{n}"], self._block(body, f"%p{n}")
+        )
+        yield from loop(f"r{n}", f"%r{n}.rest", alone)
+
+    def _together(self, body: Block, group: str) -> Iterator[str]:
+        """A loop's operations for some tangents, each operation for all of them in turn."""
+        yield f"{group}.0 = mul i64 {group}, {TOGETHER}"
+        for i in range(1, TOGETHER):
+            yield f"{group}.{i} = add i64 {group}.0, {i}"
+        own = [operation.target for operation in body]
+        new = [
+            {v: Variable(next(self.free)) for v in own if isinstance(v, Variable)}
+            for _ in range(TOGETHER)
+        ]
+        for operation in body:
+            for i, names in enumerate(new):
+                ends = (operation.target, *operation.sources)
+                target, *sources = (names.get(end, end) for end in ends)
+                yield from self._statement(target, operation.name, (*sources,), f"{group}.{i}")
 
     def _statement(
         self, target: Variable | Cell, name: str, sources: tuple, tangent: str

@@ -18,6 +18,7 @@ from scdpr_jax.native.scalar.differentiation import PREFIX, differentiated
 from scdpr_jax.native.scalar.elementary import vectorised
 from scdpr_jax.native.scalar.program import Cell, Operation, Program, needed
 from scdpr_jax.native.scalar.reading import read
+from scdpr_jax.native.scalar.sinking import sunk
 from scdpr_jax.native.scalar.tangent_loops import loop_over_tangents
 from scdpr_jax.native.traced import Step
 
@@ -34,12 +35,21 @@ def is_checked() -> bool:
     return (sys.platform, platform.machine()) == CHECKED
 
 
-def handler_name(step: Step, moving: tuple[bool, ...], *, lanes: int) -> str:
+class Wanted(NamedTuple):
+    """What runs of a step are to bring."""
+
+    moving: tuple[bool, ...]
+    """Which of its arguments have tangents; empty if none."""
+    values: bool
+    """Whether results are wanted besides their derivatives."""
+
+
+def handler_name(step: Step, wanted: Wanted, *, lanes: int) -> str:
     """A handler that XLA knows, which does a step's runs.
 
     Args:
         step: The step.
-        moving: Which of its arguments have tangents; empty for values.
+        wanted: What they are to bring.
         lanes: Robots in a vector.
 
     Returns:
@@ -51,11 +61,11 @@ def handler_name(step: Step, moving: tuple[bool, ...], *, lanes: int) -> str:
         RuntimeError: If LLVM or XLA refuses the code.
         OSError: If the interface's header is missing.
     """
-    about = repr((step.name, moving, lanes)).encode()
+    about = repr((step.name, wanted, lanes)).encode()
     name = HANDLER + hashlib.sha256(fingerprint() + about).hexdigest()[:40]
     with _one_at_a_time:
         if name not in _handlers:
-            _handlers[name] = _registered(name, _emitted(step, moving, lanes, name))
+            _handlers[name] = _registered(name, _emitted(step, wanted, lanes, name))
         return name
 
 
@@ -88,12 +98,12 @@ def register_kept(name: str) -> bool:
         return True
 
 
-def _emitted(step: Step, moving: tuple[bool, ...], lanes: int, name: str) -> bytes:
+def _emitted(step: Step, wanted: Wanted, lanes: int, name: str) -> bytes:
     import llvmlite.binding as llvm
 
     code = store.kept(f"{name}.o")
     if code is None:
-        text = handler_ir(kernel(step, moving, name=name, lanes=lanes))
+        text = handler_ir(kernel(step, wanted, name=name, lanes=lanes))
         code = _processor().emit_object(llvm.parse_assembly(text))
         store.keep(f"{name}.o", code)
     return code
@@ -150,12 +160,12 @@ def fingerprint() -> bytes:
     return hashlib.sha256(b"".join([*(file.read_bytes() for file in files), about])).digest()
 
 
-def kernel(step: Step, moving: tuple[bool, ...], *, name: str, lanes: int) -> Kernel:
+def kernel(step: Step, wanted: Wanted, *, name: str, lanes: int) -> Kernel:
     """A step as a kernel that repeats it.
 
     Args:
         step: The step.
-        moving: Which of its arguments have tangents; empty for values.
+        wanted: What its runs are to bring.
         name: The step's name in the text.
         lanes: Robots in a vector.
 
@@ -166,8 +176,8 @@ def kernel(step: Step, moving: tuple[bool, ...], *, name: str, lanes: int) -> Ke
         NotImplementedError: If a primitive has no rule.
     """
     arguments = step.arguments
-    seeds = [own for own, moves in zip(arguments, moving, strict=False) if moves]
-    program = scalar_program(step, seeds, vectors=lanes > 1)
+    seeds = [own for own, moves in zip(arguments, wanted.moving, strict=False) if moves]
+    program = scalar_program(step, seeds, values=wanted.values, vectors=lanes > 1)
     own = {f"next{i}": f"carry{i}" for i in range(step.carried)}
     carried = own | {PREFIX + n: PREFIX + c for n, c in own.items()}
     return Kernel(
@@ -179,18 +189,21 @@ def kernel(step: Step, moving: tuple[bool, ...], *, name: str, lanes: int) -> Ke
             for array in (*program.arguments, *program.results)
             if array.removeprefix(PREFIX).startswith(("input", "output"))
         ),
-        silent=frozenset(step.results) if seeds else frozenset(),
+        silent=frozenset() if wanted.values else frozenset(step.results),
         lanes=lanes,
     )
 
 
-def scalar_program(step: Step, moving: list[str], *, vectors: bool) -> Program:
+def scalar_program(
+    step: Step, moving: list[str], *, values: bool = True, vectors: bool
+) -> Program:
     """A step as a program.
 
     Args:
         step: The step.
-        moving: Arguments with tangents. Where there are some, results are the derivatives,
-            and what is carried.
+        moving: Arguments with tangents; derivatives of all results come along.
+        values: Whether results are wanted besides their derivatives; if not, only what is
+            carried stays.
         vectors: Whether it is for vectors, which have no sine of their own.
 
     Returns:
@@ -202,8 +215,9 @@ def scalar_program(step: Step, moving: list[str], *, vectors: bool) -> Program:
     program = read(step.closed, step.arguments, [*step.results], chains=bool(moving))
     if moving:
         program = differentiated(program, moving)
+    if not values:
         program = _without(program, {own for own in step.results if own.startswith("output")})
-    program = replace(program, body=needed(program.body))
+    program = sunk(replace(program, body=needed(program.body)))
     if vectors:
         program = vectorised(program)
     return loop_over_tangents(program) if moving else program

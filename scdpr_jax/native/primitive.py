@@ -1,25 +1,31 @@
-r"""A run of many steps as two JAX primitives: its results, and their derivatives.
+r"""A run of many steps as JAX primitives: its results, their derivatives, and both in one pass.
 
 Where XLA compiles for a processor, each is a custom call of machine code (`machine`), with
 robots in lanes and groups of them on XLA's threads; elsewhere, and where there is no machine
 code, it is the ordinary XLA program of the same step.
 
+Whoever pushes tangents gets results and derivatives of one call. Where the results are needed
+before the tangents are known, as `linearize` and `grad` need them, and where only one of both
+is used, the call is taken apart.
+
 Operands have a leading axis of robots, tangents one of tangents behind it. Either is of length
 one where all share the row: nothing is copied for it. `vmap` over tangents alone, as `jacfwd`
 has it, lengthens the axis of tangents, any other the one of robots. Derivatives have their
-tangents last. Reverse mode and derivatives of derivatives are XLA's.
+tangents last. Reverse mode by few numbers is forward mode by each of them (`reverse`), that by
+many and derivatives of derivatives are XLA's.
 """
 
 import functools
 import warnings
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax.extend.core import Primitive, jaxpr_as_fun
-from jax.interpreters import ad, batching, mlir
+from jax.extend.core import JaxprEqn, Primitive, Var, jaxpr_as_fun
+from jax.interpreters import ad, batching, mlir, partial_eval
 
-from scdpr_jax.native import machine
+from scdpr_jax.native import machine, reverse
 from scdpr_jax.native.traced import Step
 from scdpr_jax.numerics.lean_scan import lean_scan
 
@@ -104,29 +110,37 @@ def _slopes(*given: jax.Array, moving: tuple[bool, ...], **static: Step) -> list
     return jax.vmap(lambda *along: jax.jvp(function, own, along)[1], 1, -1)(*seeds)
 
 
+def _both(*given: jax.Array, moving: tuple[bool, ...], **static: Step) -> list[jax.Array]:
+    values = _results(*given[: len(moving)], **static)
+    return [*values, *_slopes(*given, moving=moving, **static)]
+
+
 # The printed way.
 
 
 def _lowered(
-    ctx: mlir.LoweringRuleContext, *given: object, step: Step, moving: tuple[bool, ...] = ()
+    by_xla: Callable,
+    values: bool,
+    ctx: mlir.LoweringRuleContext,
+    *given: object,
+    step: Step,
+    moving: tuple[bool, ...] = (),
 ) -> object:
     lanes = LANES if _longest(ctx.avals_in, 0) > 1 else 1
-    name = _handler_name(step, moving, lanes) if machine.is_checked() else None
+    wanted = machine.Wanted(moving, values)
+    name = _handler_name(step, wanted, lanes) if machine.is_checked() else None
     if name:
         return jax.ffi.ffi_lowering(name)(ctx, *given)
-    by_xla = (
-        functools.partial(_slopes, moving=moving, step=step)
-        if moving
-        else functools.partial(_results, step=step)
-    )
-    return mlir.lower_fun(by_xla, multiple_results=True)(ctx, *given)
+    static = {"moving": moving, "step": step} if moving else {"step": step}
+    own = functools.partial(by_xla, **static)
+    return mlir.lower_fun(own, multiple_results=True)(ctx, *given)
 
 
 @functools.cache
-def _handler_name(step: Step, moving: tuple[bool, ...], lanes: int) -> str | None:
+def _handler_name(step: Step, wanted: machine.Wanted, lanes: int) -> str | None:
     """Name of a handler; none if there can't be one, which is said once."""
     try:
-        return machine.handler_name(step, moving, lanes=lanes)
+        return machine.handler_name(step, wanted, lanes=lanes)
     except (ImportError, NotImplementedError, OSError, KeyError, RuntimeError) as reason:
         warnings.warn(
             f"A step runs as an XLA program, ten to fifty times slower: {reason!s:.500}",
@@ -153,7 +167,7 @@ def _merged(arrays: Sequence, axes: Sequence, size: int, at: int) -> list[jax.Ar
 
 def _batched(
     own: Primitive, given: Sequence, axes: Sequence, **static: object
-) -> tuple[list[jax.Array], list[int]]:
+) -> tuple[list[jax.Array], list[int | None]]:
     count = len(static.get("moving", given))
     pairs = zip(given, axes, strict=True)
     size = next(x.shape[axis] for x, axis in pairs if axis is not None)
@@ -162,8 +176,15 @@ def _batched(
         return [x.reshape(size, len(x) // size, *x.shape[1:]) for x in found], [0] * len(found)
     seeds = _merged(given[count:], axes[count:], size, 1)
     found = own.bind(*given[:count], *seeds, **static)
-    split = [x.reshape(*x.shape[:-1], size, x.shape[-1] // size) for x in found]
-    return split, [x.ndim - 1 for x in found]
+    values, slopes = _parted(found) if own is _both_p else ([], found)
+    split = [x.reshape(*x.shape[:-1], size, x.shape[-1] // size) for x in slopes]
+    return [*values, *split], [None] * len(values) + [x.ndim - 1 for x in slopes]
+
+
+def _parted(results: Sequence) -> tuple[Sequence, Sequence]:
+    """Results, and their derivatives."""
+    half = len(results) // 2
+    return results[:half], results[half:]
 
 
 def _pushed(primals: Sequence, tangents: Sequence, *, step: Step) -> tuple[list, list]:
@@ -172,28 +193,103 @@ def _pushed(primals: Sequence, tangents: Sequence, *, step: Step) -> tuple[list,
         tangents[i] = ad.instantiate_zeros(tangents[i])  # The next step's aren't zero.
     moving = tuple(not isinstance(own, ad.Zero) for own in tangents)
     seeds = [own[:, None] for own, moves in zip(tangents, moving, strict=True) if moves]
-    slopes = _slopes_p.bind(*primals, *seeds, moving=moving, step=step)
+    values, slopes = _parted(_both_p.bind(*primals, *seeds, moving=moving, step=step))
     # A sum over one keeps mapped axes where they are; an index would move them to the front.
-    return _results_p.bind(*primals, step=step), [jnp.sum(own, -1) for own in slopes]
+    return values, [jnp.sum(own, -1) for own in slopes]
 
 
-def _pushed_again(primals: Sequence, tangents: Sequence, **static: object) -> tuple:
+def _pushed_again(
+    by_xla: Callable, primals: Sequence, tangents: Sequence, **static: object
+) -> tuple:
     along = tuple(ad.instantiate_zeros(own) for own in tangents)
-    return jax.jvp(functools.partial(_slopes, **static), tuple(primals), along)
+    return jax.jvp(functools.partial(by_xla, **static), tuple(primals), along)
+
+
+def _partly_known(
+    trace: Any,
+    *tracers: partial_eval.JaxprTracer,
+    moving: tuple[bool, ...],
+    step: Step,
+) -> list:
+    """Results now and derivatives later, where only the tangents aren't known yet."""
+    operands = tracers[: len(moving)]
+    static = {"moving": moving, "step": step}
+    if not all(own.is_known() for own in operands):
+        return trace.default_process_primitive(_both_p, tracers, static)
+    values = _results_p.bind(*(own.pval.get_known() for own in operands), step=step)
+    return [*values, *trace.default_process_primitive(_slopes_p, tracers, static)]
+
+
+def _partly_kept(
+    _: Any, unknown: Sequence[bool], there: Sequence[bool], equation: JaxprEqn
+) -> tuple:
+    """The same in a jaxpr of which a part is done now; all of it is done again later."""
+    count = len(equation.outvars)
+    late = [own for own, is_there in zip(equation.invars, there, strict=True) if not is_there]
+    again = [own for own in late if isinstance(own, Var)]
+    if any(unknown[: len(equation.params["moving"])]):
+        return None, equation, [True] * count, [True] * count, again
+    if not any(unknown):
+        return equation, equation, [False] * count, [True] * count, again
+    values, slopes = _parted([False] * count)
+    _, alone = _partly_used([True] * len(values) + [False] * len(slopes), equation)
+    kept = [*values, *(not own for own in slopes)]
+    return alone, equation, kept, [True] * count, again
+
+
+def _partly_used(
+    used: Sequence[bool], equation: JaxprEqn
+) -> tuple[list[bool], JaxprEqn | None]:
+    """Results alone, derivatives alone, or both."""
+    count, given = len(equation.params["moving"]), equation.invars
+    values, slopes = _parted(equation.outvars)
+    by_value, by_slope = map(any, _parted(used))
+    if not (by_value or by_slope):
+        return [False] * len(given), None
+    if by_value and by_slope:
+        return [True] * len(given), equation
+    if by_slope:
+        return [True] * len(given), equation.replace(primitive=_slopes_p, outvars=slopes)
+    only = {"step": equation.params["step"]}
+    alone = equation.replace(
+        primitive=_results_p, invars=given[:count], outvars=values, params=only
+    )
+    return [i < count for i in range(len(given))], alone
+
+
+@functools.partial(jax.jit, static_argnames=("wanted", "moving", "step"))
+def _by_few(
+    operands: Sequence[jax.Array],
+    cotangents: Sequence[jax.Array],
+    *,
+    wanted: reverse.Shapes,
+    moving: tuple[bool, ...],
+    step: Step,
+) -> list[jax.Array | None]:
+    """Reverse mode by few numbers, one program where it isn't part of one."""
+    shapes = [own.shape[1:] for own, moves in zip(operands, moving, strict=True) if moves]
+
+    def slopes(along: Sequence[jax.Array]) -> list[jax.Array]:
+        return _slopes_p.bind(*operands, *along, moving=moving, step=step)
+
+    return reverse.contracted(slopes, shapes, cotangents, wanted=wanted)
 
 
 def _pulled(
     cotangents: Sequence, *given: object, moving: tuple[bool, ...], **static: Step
 ) -> list:
-    seeds = given[len(moving) :]
-    function, own = _moved(given, moving, **static)
-    pull = jax.vmap(jax.vjp(function, *own)[1], -1, 1)
-    found = pull([ad.instantiate_zeros(cotangent) for cotangent in cotangents])
+    operands, seeds = given[: len(moving)], given[len(moving) :]
+    cotangents = [ad.instantiate_zeros(own) for own in cotangents]
+    wanted = reverse.wanted(seeds)
+    if wanted is None:
+        function, own = _moved(given, moving, **static)
+        found = jax.vmap(jax.vjp(function, *own)[1], -1, 1)(cotangents)
+    else:
+        found = _by_few(operands, cotangents, wanted=wanted, moving=moving, **static)
     pulled: list = [None] * len(moving)
     for x, seed in zip(found, seeds, strict=True):
-        shared = [i for i in (0, 1) if seed.aval.shape[i] < x.shape[i]]
         wanted = ad.is_undefined_primal(seed)
-        pulled.append(jnp.sum(x, shared, keepdims=True) if wanted else None)
+        pulled.append(reverse.summed(x, seed.aval.shape) if wanted else None)
     return pulled
 
 
@@ -217,23 +313,33 @@ def _slopes_like(*given: jax.core.ShapedArray, moving: tuple[bool, ...], step: S
     return [own.update(shape=(robots, *own.shape[1:], tangents)) for own in values]
 
 
+def _both_like(*given: jax.core.ShapedArray, moving: tuple[bool, ...], step: Step) -> Shapes:
+    values = _results_like(*given[: len(moving)], step=step)
+    return [*values, *_slopes_like(*given, moving=moving, step=step)]
+
+
 @functools.cache
 def _compiled(own: Primitive, static: tuple) -> Callable:
     return jax.jit(functools.partial(own.bind, **dict(static)))
 
 
-def _primitive(name: str, like: Callable, by_xla: Callable, jvp: Callable) -> Primitive:
+def _primitive(name: str, like: Callable, by_xla: Callable, *, values: bool) -> Primitive:
     own = Primitive(name)
     own.multiple_results = True
     own.def_impl(lambda *given, **static: _compiled(own, (*static.items(),))(*given))
     own.def_abstract_eval(like)
-    ad.primitive_jvps[own] = jvp
+    ad.primitive_jvps[own] = functools.partial(_pushed_again, by_xla)
     batching.primitive_batchers[own] = functools.partial(_batched, own)
     mlir.register_lowering(own, mlir.lower_fun(by_xla, multiple_results=True))
-    mlir.register_lowering(own, _lowered, platform="cpu")
+    mlir.register_lowering(own, functools.partial(_lowered, by_xla, values), platform="cpu")
     return own
 
 
-_results_p = _primitive("native_run", _results_like, _results, _pushed)
-_slopes_p = _primitive("native_run_slopes", _slopes_like, _slopes, _pushed_again)
+_results_p = _primitive("native_run", _results_like, _results, values=True)
+ad.primitive_jvps[_results_p] = _pushed
+_slopes_p = _primitive("native_run_slopes", _slopes_like, _slopes, values=False)
 ad.primitive_transposes[_slopes_p] = _pulled
+_both_p = _primitive("native_run_with_slopes", _both_like, _both, values=True)
+partial_eval.custom_partial_eval_rules[_both_p] = _partly_known
+partial_eval.partial_eval_jaxpr_custom_rules[_both_p] = _partly_kept
+partial_eval.dce_rules[_both_p] = _partly_used

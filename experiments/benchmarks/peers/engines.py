@@ -48,11 +48,10 @@ class NonlinearEngine(Contender):
 
     def __call__(self, values: Float[Array, "4"]) -> Float[Array, "rows 5"]:
         robot = robot_of(values)
-        steps = self.parts * ROWS
         inputs = stepping.Inputs(
-            duration=jnp.full(steps, LOG / self.parts, values.dtype),
-            voltage=jnp.repeat(jnp.asarray(TORQUE_STEP, values.dtype), self.parts, axis=0),
-            knock=jnp.zeros(steps, values.dtype),
+            duration=jnp.full(ROWS, LOG, values.dtype),
+            voltage=jnp.asarray(TORQUE_STEP, values.dtype),
+            knock=jnp.zeros(ROWS, values.dtype),
         )
-        states = stepping.simulate(robot, start_of(robot), inputs)
-        return states.position[:: self.parts]
+        start = start_of(robot)
+        return stepping.simulate(robot, start, inputs, substeps=self.parts).position

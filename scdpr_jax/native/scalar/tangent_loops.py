@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Mapping
 from dataclasses import replace
 
+from scdpr_jax.native.scalar.elimination import eliminated
 from scdpr_jax.native.scalar.program import (
     Block,
     Cell,
@@ -34,7 +35,8 @@ def loop_over_tangents(program: Program) -> Program:
         The program for any number of them.
     """
     linear = _linear(program)
-    body = _handed_on(_split(program.body, linear), linear)
+    body = eliminated(_split(program.body, linear), linear)
+    body = _handed_on(body, linear)
     return replace(program, body=body)
 
 

@@ -43,6 +43,20 @@ def on_grid(robot, start, duration, voltage, knock=None):
     return jax.tree.map(lambda leaf: np.asarray(leaf)[: count + 1], states)
 
 
+@jax.jit
+def in_two(robot, start, inputs):
+    return stepping.simulate(robot, start, inputs, substeps=2)
+
+
+def test_substeps_are_the_steps_of_a_finer_grid():
+    random, start = np.random.default_rng(3), placed(0.5, 0.55, 0.4)
+    duration, voltage = np.full(100, 1e-2), random.uniform(-9, 9, (100, 2))
+    coarse = in_two(ROBOT, start, stepping.Inputs(duration, voltage, np.zeros(100)))
+    fine = on_grid(ROBOT, start, np.repeat(duration / 2, 2), np.repeat(voltage, 2, axis=0))
+    np.testing.assert_allclose(coarse.position, fine.position[::2], atol=1e-11)
+    np.testing.assert_allclose(coarse.velocity, fine.velocity[::2], atol=1e-9)
+
+
 def placed(lower, upper, height):
     return rest(ROBOT, jnp.asarray(lower), jnp.asarray(upper), jnp.asarray(height))
 

@@ -62,6 +62,8 @@ def test_tangents_are_those_of_jax(name):
         lambda x: jnp.clip(x, 0.0, 1.0),
         lambda x: jax.lax.clamp(-1.0, x, 0.0),
         lambda x: jnp.where(x > 0, jnp.sqrt(jnp.where(x > 0, x, 1.0)), 0.0),
+        lambda x: jnp.where(x > 0, jnp.sqrt(x), x),
+        lambda x: jnp.where(x > 0, 3 * jnp.log(jnp.sin(x) * 2 * jnp.sqrt(x)), x),
         lambda x: jnp.where(jnp.abs(x) <= 1, x, jnp.sign(x)),
         jnp.square,
         lambda x: x**3,

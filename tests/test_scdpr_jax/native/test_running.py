@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scdpr_jax import native
-from scdpr_jax.native import primitive
+from scdpr_jax.native import primitive, reverse
 from scdpr_jax.numerics.lean_scan import lean_scan
 
 STEPS, ROBOTS = 40, 11
@@ -115,6 +115,14 @@ REVERSE = {
         lambda k: jnp.sum(jax.vmap(f, (0, None))(k, INPUTS["push"]))
     )(GAINS[:3]),
     "grad of checkpoint": lambda f: jax.grad(jax.checkpoint(f))(GAINS[0], INPUTS["push"]),
+    "grad of scan of checkpoint": lambda f: jax.grad(
+        lambda k: jax.lax.scan(
+            lambda x, _: (jax.checkpoint(f)(x, INPUTS["push"]) / 1e3, None), k, length=2
+        )[0]
+    )(GAINS[0]),
+    "vmap of jacfwd with values": lambda f: jax.vmap(
+        jax.jacfwd(lambda k: (f(k, INPUTS["push"]),) * 2, has_aux=True)
+    )(GAINS[:3]),
     "hessian": lambda f: jax.hessian(f)(GAINS[0], INPUTS["push"]),
     "forward over forward": lambda f: jax.jacfwd(jax.jacfwd(f))(GAINS[0], INPUTS["push"]),
 }
@@ -125,6 +133,23 @@ def test_reverse_and_second_derivatives_are_those_of_the_scan(name):
     found, expected = (REVERSE[name](squares(run)) for run in (native.run, scan))
     for own, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
         np.testing.assert_allclose(own, other, rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", ["grad", "vmap of grad", "grad of vmap"])
+def test_reverse_mode_is_the_same_by_many_numbers_and_by_few(name, monkeypatch):
+    by_few = REVERSE[name](squares(native.run))
+    monkeypatch.setattr(reverse, "MOST", 0)
+    by_many = REVERSE[name](squares(native.run))
+    for own, other in zip(jax.tree.leaves(by_few), jax.tree.leaves(by_many), strict=True):
+        np.testing.assert_allclose(own, other, rtol=1e-11, atol=1e-11)
+
+
+def test_a_gradient_by_a_parameter_is_machine_code(monkeypatch):
+    monkeypatch.setattr(primitive, "_results", None)
+    monkeypatch.setattr(primitive, "_slopes", None)
+    gradient = jax.jit(jax.grad(squares(native.run)))
+    text = gradient.lower(GAINS[0], INPUTS["push"]).as_text()
+    assert text.count("custom_call @run_") == 2
 
 
 def test_all_results_have_their_structure_and_types():
