@@ -96,6 +96,8 @@ class Record:
     """Angles of the driver pulleys [rad]."""
     trusted: Bool[np.ndarray, " rows"]
     """Whether the drive's sample counts."""
+    commanded: bool = True
+    """Whether its commands count."""
     frame_time: Float64[np.ndarray, " frames"] | None = None
     """Time of the camera's frames on its own clock [s], None without a camera."""
     position: Float64[np.ndarray, "frames 5"] | None = None

@@ -4,13 +4,19 @@ Each limit is what good campaigns reach, of the model's rig and of elastic ones,
 margin of about two; `docs` has the table.
 """
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from identification.doctor.case import Case
 from identification.doctor.relations.relation import Relation, off
-from identification.doctor.relations.responses import Response, drive_inertia, responses
+from identification.doctor.relations.responses import (
+    Inertia,
+    Response,
+    drive_inertia,
+    responses,
+)
 
 GAIN = 1.9
 """Factor that a gain may be off: J is 0.77 to 1.41 of the nameplate's on good rigs."""
@@ -22,7 +28,7 @@ UNEXPLAINED = 0.72
 """Share of the acceleration that may be left: elastic cables leave 0.5 of "sum"."""
 
 VOLTS = 1.15
-"""Factor that the torque per volt may be off."""
+"""Factor that the torque per volt may be off, where the drives' law leaves nothing."""
 
 LIMIT = 1.02
 """Largest command over the limit."""
@@ -47,7 +53,7 @@ def drive_relations(case: Case) -> Iterator[Relation]:
         yield from _response(mode, response)
     inertia = drive_inertia(case, found)
     if inertia is not None:
-        yield _volts(*inertia)
+        yield _volts(inertia)
 
 
 def _limit(case: Case) -> Relation:
@@ -109,10 +115,16 @@ def _spoken(mode: str) -> str:
     )
 
 
-def _volts(inertia: float, ratio: float) -> Relation:
+def _volts(inertia: Inertia) -> Relation:
+    allowed = VOLTS * math.exp(inertia.error)
     return Relation(
         name="volts",
-        excess=off(ratio, VOLTS),
-        what=f"torque for a volt is {ratio:.3g} of what the rig should have",
-        figures={"ratio": ratio, "drive_inertia": inertia},
+        excess=off(inertia.ratio, allowed),
+        what=f"torque for a volt is {inertia.ratio:.3g} of what the rig should have, within a "
+        f"factor of {allowed:.3g}",
+        figures={
+            "ratio": inertia.ratio,
+            "factor": allowed,
+            "drive_inertia": inertia.value,
+        },
     )

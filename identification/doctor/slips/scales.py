@@ -50,20 +50,30 @@ def _sure(fit: Slope | None) -> bool:
     return fit is not None and fit.value > 0 and abs(fit.correlation) > 0.9
 
 
-def _axis(case: Case, axis: str) -> float | None:
-    """Camera over encoders on one axis."""
+def _axis_slope(case: Case, axis: str) -> Slope | None:
+    """Camera over encoders on one axis, None where nothing tells it."""
     pairs = _moving(case)
     if axis == "x":
         fit = slope((pair.along, pair.position[:, Q3]) for pair in pairs)
     else:
         fit = slope((pair.up, pair.position[:, Y]) for pair in pairs)
-    return _tidy(fit) if _sure(fit) else None
+    return fit if _sure(fit) else None
+
+
+def _axis(case: Case, axis: str) -> float | None:
+    fit = _axis_slope(case, axis)
+    return None if fit is None else _tidy(fit)
 
 
 def _both(case: Case) -> float | None:
-    """Camera over encoders, one factor for both axes: the mean of those that moved."""
-    found = [factor for axis in ("x", "y") if (factor := _axis(case, axis))]
-    return math.exp(math.fsum(map(math.log, found)) / len(found)) if found else None
+    """Camera over encoders, one factor for both axes: their mean by their errors."""
+    fits = [fit for axis in ("x", "y") if (fit := _axis_slope(case, axis))]
+    if not fits:
+        return None
+    weights = [(fit.value / fit.sigma) ** 2 for fit in fits]
+    logs = [weight * math.log(fit.value) for weight, fit in zip(weights, fits, strict=True)]
+    mean = math.exp(math.fsum(logs) / math.fsum(weights))
+    return _tidy(Slope(mean, mean / math.sqrt(math.fsum(weights)), 1.0))
 
 
 def _tidy(fit: Slope) -> float:
