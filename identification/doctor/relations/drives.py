@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from identification.campaign.notes.drive import BEYOND
 from identification.doctor.case import Case
 from identification.doctor.relations.relation import Relation, off
 from identification.doctor.relations.responses import (
@@ -26,12 +27,6 @@ DECAY = 3.0
 
 UNEXPLAINED = 0.72
 """Share of the acceleration that may be left: elastic cables leave 0.5 of "sum"."""
-
-VOLTS = 1.15
-"""Factor that the torque per volt may be off, where the drives' law leaves nothing."""
-
-LIMIT = 1.02
-"""Largest command over the limit."""
 
 PERIODS = (2e-5, 0.1)
 """Sample periods of a drive [s] that there are."""
@@ -61,7 +56,7 @@ def _limit(case: Case) -> Relation:
     limit = case.rig.voltage_limit
     return Relation(
         name="limit",
-        excess=largest / (LIMIT * limit),
+        excess=largest / (BEYOND * limit),
         what=f"the largest command is {largest:.4g} V, the limit {limit:.4g} V",
         figures={"largest_V": largest, "limit_V": limit},
     )
@@ -116,7 +111,7 @@ def _spoken(mode: str) -> str:
 
 
 def _volts(inertia: Inertia) -> Relation:
-    allowed = VOLTS * math.exp(inertia.error)
+    allowed = math.exp(inertia.error)
     return Relation(
         name="volts",
         excess=off(inertia.ratio, allowed),

@@ -20,6 +20,9 @@ from identification.doctor.statistics import huber, non_negative, spread, travel
 BLOCKS = 140
 """Blocks of a run: about as many as the slowest motion needs, and long against a count."""
 
+ALWAYS = 0.05
+"""Relative error of a ratio of gains whatever the law leaves: friction, and the blocks."""
+
 BARE = 0.5
 """Relative error of a bare drive's gain for what its law leaves: ripple goes round with the
 drive, and half of it averages out. That of the robot's is all that is left."""
@@ -119,7 +122,8 @@ def _modes(record: Record, rig: Rig) -> list[tuple[str, tuple[np.ndarray, ...]]]
 
 
 def _weak_form(record: Record) -> _Rows | None:
-    size = max(1, len(record.time) // BLOCKS)
+    # At least so long, or a slow log's accelerations are its encoder's rounding.
+    size = math.ceil(len(record.time) / BLOCKS)
     count = len(record.time) // size - 1
     if count < 8:
         return None
@@ -234,5 +238,5 @@ def drive_inertia(case: Case, found: dict[str, Response]) -> Inertia | None:
     gain = math.fsum(each.gain for each in bare) / len(bare)
     inertia = rig.radius**2 * rig.end_effector_mass / (2 * (gain / cable.gain - 1))
     left = cable.unexplained + BARE * max(each.unexplained for each in bare)
-    error = left / (1 - cable.gain / gain)
+    error = (ALWAYS + left) / (1 - cable.gain / gain)
     return Inertia(inertia, gain * inertia / rig.torque_per_volt, error)

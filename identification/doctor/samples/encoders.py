@@ -33,6 +33,9 @@ SLOW = 0.0045
 """Sample period [s] above which a step's neighbours tell its motion only coarsely: 250 Hz is
 on this side of it, however its time stamps round."""
 
+FASTEST = 2e-5
+"""Sample period [s] below which the time is in another unit, and speeds say nothing."""
+
 
 class _Steps(NamedTuple):
     """Steps of an encoder and what its neighbours expect of them."""
@@ -83,8 +86,7 @@ def slow_jumps(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
     step = np.diff(record.angle, axis=0)
     if record.period <= SLOW or len(step) < FEWEST_STEPS:
         return record, ()
-    strongest = rig.voltage_limit * rig.torque_per_volt / rig.inertia
-    limit = max(LEAST_COUNTS * rig.count, DRIVEN * strongest * record.period**2)
+    limit = max(LEAST_COUNTS * rig.count, DRIVEN * _strongest(record, rig))
     wide = np.diff(record.time) > 1.6 * record.period
     for encoder in (0, 1):
         before, after = np.diff(step[:, encoder])[:-1], -np.diff(step[:, encoder])[1:]
@@ -94,6 +96,11 @@ def slow_jumps(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
             record, told = _closed(record, encoder, _compared(step[:, encoder]), rows)
             found += told
     return record, tuple(found)
+
+
+def _strongest(record: Record, rig: Rig) -> float:
+    """What the strongest command changes a bare drive's step by [rad]."""
+    return rig.voltage_limit * rig.torque_per_volt / rig.inertia * record.period**2
 
 
 def wrap_periods(rig: Rig) -> dict[str, float]:
@@ -151,11 +158,11 @@ def _standing_out(steps: _Steps, record: Record, rig: Rig) -> Bool[np.ndarray, "
     """Steps that can't be motion."""
     count = float(np.min(np.abs(steps.step[steps.step != 0])))
     # A step differs from its neighbours by what the strongest command does in a few periods.
-    strongest = rig.voltage_limit * rig.torque_per_volt / rig.inertia
-    least = STRONGEST * strongest * record.period**2
-    if record.period > SLOW:
+    strongest = _strongest(record, rig)
+    least = STRONGEST * strongest
+    if record.period > SLOW or record.period < FASTEST:
         # At 100 Hz and slower that is as much as the robot moves.
-        least = 2.2 * float(np.quantile(np.abs(steps.near), 0.9))
+        least = max(DRIVEN * strongest, 2.2 * float(np.quantile(np.abs(steps.near), 0.9)))
     usual = 8 * float(np.quantile(np.abs(steps.out), 0.93))
     limit = max(usual, LEAST_COUNTS * count, least)
     turns = np.zeros(len(steps.step), dtype=bool)

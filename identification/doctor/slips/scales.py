@@ -35,6 +35,9 @@ LENGTH_FACTORS = (
 NEAR = 0.03
 """How far a measured factor may be from a unit's and still be taken for it."""
 
+LAGS = 0.25
+"""The same for a camera's column: x_e swings and q_4 lags, and its units are tens apart."""
+
 NAMEPLATE = 120.0
 """Factor that counts, a gearbox or a radius may be off."""
 
@@ -161,6 +164,7 @@ def _in_unit(
     measure: Callable[[Case], float | None],
     columns: Sequence[str],
     factors: Sequence[tuple[float, str]],
+    near: float = NEAR,
 ) -> Callable[[Case], Undone | None]:
     """One column's factor, if it is that of a unit."""
 
@@ -169,7 +173,7 @@ def _in_unit(
         if found is None:
             return None
         for factor, what in factors:
-            if abs(found / factor - 1) < NEAR:
+            if abs(found / factor - 1) < near:
                 undone = scaled(case, columns, factor)
                 return undone._replace(step={**undone.step, "what": what})
         return None
@@ -212,7 +216,7 @@ ONE_COLUMN_UNITS: tuple[Slip, ...] = (
         Slip(
             "unit.position",
             CAMERA_COLUMNS[column],
-            _in_unit(_one_column(column), (CAMERA_COLUMNS[column],), LENGTH_FACTORS),
+            _in_unit(_one_column(column), (CAMERA_COLUMNS[column],), LENGTH_FACTORS, LAGS),
         )
         for column in (X, Q3, Q4, Y)
     ),
