@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from experiments.verbs.console import ERRORS
 from identification.campaign import Campaign
 from identification.doctor.examine import diagnosis
-from identification.doctor.mend import cleaned
+from identification.doctor.fittable import fittable
 from identification.doctor.words import WORDS
 
 
@@ -19,11 +19,12 @@ def examined(campaign: Campaign, accept: Sequence[str], *, verb: str) -> Campaig
         verb: The verb that asks, for its messages.
 
     Returns:
-        The campaign without bad frames, with the knocks that were found, and with what was
-        accepted; None if a contradiction wasn't, which is then told.
+        The campaign without bad frames and runs that begin in motion, with runs in pieces
+        where they have a gap, the knocks that were found, and what was accepted; None if a
+        contradiction wasn't, which is then told.
 
     Raises:
-        ValueError: If there is no such identifier.
+        ValueError: If there is no such identifier, or nothing is left to fit.
     """
     for identifier in accept:
         if identifier not in WORDS:
@@ -45,4 +46,4 @@ def examined(campaign: Campaign, accept: Sequence[str], *, verb: str) -> Campaig
         )
         return None
     accepted = tuple(f"accepted contradiction: {finding}" for finding in broken)
-    return dataclasses.replace(cleaned(campaign, found), accepted=accepted)
+    return dataclasses.replace(fittable(campaign, found), accepted=accepted)

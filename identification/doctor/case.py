@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterable
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from identification.campaign.notes.drive import GAP
 from identification.campaign.notes.note import rig_value
 from identification.campaign.types import Campaign, Initial, Knock, Run, encoder_resolution
 
@@ -16,9 +17,6 @@ X, D, Q3, Q4, Y = range(5)
 
 CAMERA_COLUMNS = ("x_e", "delta_e", "q_3", "q_4", "y_e")
 """Their names."""
-
-GAP = 3.5
-"""Sample periods without a sample that count as a gap: two are lost, and it's no jitter."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -96,6 +94,8 @@ class Record:
     """Angles of the driver pulleys [rad]."""
     trusted: Bool[np.ndarray, " rows"]
     """Whether the drive's sample counts."""
+    commanded: bool = True
+    """Whether its commands count."""
     frame_time: Float64[np.ndarray, " frames"] | None = None
     """Time of the camera's frames on its own clock [s], None without a camera."""
     position: Float64[np.ndarray, "frames 5"] | None = None

@@ -15,6 +15,7 @@ from identification.doctor.samples import (
     frames,
     kinds,
     knocks,
+    slow_jumps,
     starts,
     stuck,
 )
@@ -26,7 +27,7 @@ Look = Callable[[Record, Rig], tuple[Record, tuple[Finding, ...]]]
 FIRST_LOOKS: tuple[Look, ...] = (clocks, encoders, stuck, frames, starts)
 """What is looked at before one sensor is held against another."""
 
-LAST_LOOKS: tuple[Look, ...] = (knocks,)
+LAST_LOOKS: tuple[Look, ...] = (slow_jumps, knocks)
 """What needs clocks and scales that are right."""
 
 

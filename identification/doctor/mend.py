@@ -14,10 +14,9 @@ from identification.campaign.types import (
     encoder_resolution,
 )
 from identification.campaign.write import write_campaign
-from identification.doctor.case import Record, record_of, rig_of
+from identification.doctor.case import Record
 from identification.doctor.examine import Diagnosis, diagnosis
 from identification.doctor.findings import Finding
-from identification.doctor.samples import frames
 
 
 def mend(campaign: Campaign, path: str | Path) -> tuple[Finding, ...]:
@@ -59,46 +58,25 @@ def mended(campaign: Campaign, found: Diagnosis) -> Campaign:
         counts = new
     if any(_sets_radius(finding) for finding in found.findings):
         robot["effective_radius"] = rig.radius
-    runs = tuple(_run(record, found.findings) for record in found.case.records)
+    runs = tuple(
+        _run(record, found.findings)
+        for record in found.case.records
+        if not _is_left_out(record, found.findings)
+    )
     return dataclasses.replace(
         campaign, runs=runs, counts_per_rev=counts, sensors=sensors, robot=robot
     )
-
-
-def cleaned(campaign: Campaign, found: Diagnosis) -> Campaign:
-    """The campaign as a fit should see it: without bad frames, with the knocks that are seen.
-
-    What contradicts itself stays as it is: whoever goes on with it has decided so.
-
-    Args:
-        campaign: The campaign.
-        found: Its diagnosis.
-
-    Returns:
-        The campaign.
-    """
-    rig = rig_of(campaign)
-    seen = {record.name: record.knock for record in found.case.records}
-    sound = all(finding.severity == "note" for finding in found.findings)
-
-    def clean(run: Run) -> Run:
-        if run.knock is None and sound:
-            run = dataclasses.replace(run, knock=seen.get(run.name))
-        if run.camera is None:
-            return run
-        record, bad = frames(record_of(run), rig)
-        if not bad:
-            return run
-        camera = dataclasses.replace(run.camera, position=record.position)
-        return dataclasses.replace(run, camera=camera)
-
-    return dataclasses.replace(campaign, runs=tuple(map(clean, campaign.runs)))
 
 
 def _steps(finding: Finding, run: str) -> list[dict]:
     """What is done to a run."""
     steps = [] if finding.mend is None else finding.mend["steps"]
     return [step for step in steps if run in step.get("runs", (step.get("run"),))]
+
+
+def _is_left_out(record: Record, findings: Sequence[Finding]) -> bool:
+    steps = (step for finding in findings for step in _steps(finding, record.name))
+    return any(step["do"] == "leave the run out" for step in steps)
 
 
 def _sets_radius(finding: Finding) -> bool:

@@ -97,7 +97,7 @@ WORDS: Mapping[str, Words] = {
     ),
     "gap.drive": Words(
         "The drive's samples are missing, and what was commanded meanwhile isn't known.",
-        "Log from the controller's own loop; camera frames in the gap don't count here.",
+        "Log from the controller's own loop; a fit takes the pieces that begin at rest.",
     ),
     "gap.camera": Words(
         "The vision system didn't keep up.",
@@ -117,7 +117,7 @@ WORDS: Mapping[str, Words] = {
     ),
     "start.moving": Words(
         "The run doesn't begin at rest.",
-        "Wait for standstill before logging, or cut the run where it stands still.",
+        "Wait for standstill before logging; --mend leaves the run out, as a fit does.",
     ),
     "label.kind": Words(
         "The run isn't what its kind says.",

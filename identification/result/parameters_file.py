@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
-import pydantic
 from jaxtyping import Float
 
 from identification.fit.comparison import Channel, Comparison
@@ -22,8 +21,9 @@ from identification.judge.uncertainty import ParameterEstimate
 from identification.judge.validation import ChannelValidation, validate
 from identification.result.estimate import Estimate
 from identification.result.fitted_robot import FittedRobot, Residual
+from identification.result.possible_parameters import check_parameters
 from scdpr_jax.numerics.files import write_whole
-from scdpr_jax.numerics.json_file import read_json
+from scdpr_jax.numerics.json_file import JsonObject, read_json
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace
@@ -203,15 +203,15 @@ def _influence(influence: Influence) -> dict[str, Any]:
     }
 
 
-class _Parameter(pydantic.BaseModel):
+class _Parameter(JsonObject):
     """A row of `parameters.json`, as far as a robot is built from it."""
 
     name: str
     setting: str | None
-    value: pydantic.FiniteFloat
+    value: float
     unit: str
-    sigma: pydantic.FiniteFloat | None = None
-    interval95: tuple[pydantic.FiniteFloat | None, pydantic.FiniteFloat | None] = (None, None)
+    sigma: float | None = None
+    interval95: tuple[float | None, float | None] = (None, None)
     status: Literal[
         "identified", "weak", "unidentifiable", "at_bound", "fixed", "model_does_not_fit"
     ]
@@ -229,29 +229,29 @@ class _Parameter(pydantic.BaseModel):
         return ParameterEstimate(**self.model_dump() | errors)
 
 
-class _Correlation(pydantic.BaseModel):
+class _Correlation(JsonObject):
     """How the fitted parameters' errors hang together."""
 
     names: list[str]
-    matrix: list[list[pydantic.FiniteFloat]]
+    matrix: list[list[float]]
 
 
-class _Residual(pydantic.BaseModel):
+class _Residual(JsonObject):
     """What a fit leaves of a channel of a run."""
 
     channel: str
-    rms: pydantic.FiniteFloat
-    noise_sigma: pydantic.FiniteFloat
+    rms: float
+    noise_sigma: float
     is_noise: bool
 
 
-class ParametersDocument(pydantic.BaseModel):
+class ParametersDocument(JsonObject):
     """`parameters.json`, as far as a robot is built from it."""
 
     format: Literal[1]
     parameters: list[_Parameter]
     correlation: _Correlation | None = None
-    residuals: list[_Residual] = []
+    residuals: tuple[_Residual, ...] = ()
 
     def fitted_robot(self) -> FittedRobot:
         """The robot, with exact friction.
@@ -287,8 +287,19 @@ class ParametersDocument(pydantic.BaseModel):
         if self.correlation is None or sorted(self.correlation.names) != sorted(labels):
             return None
         at = [self.correlation.names.index(label) for label in labels]
-        matrix = np.array(self.correlation.matrix).reshape(len(at), len(at))
-        return matrix[np.ix_(at, at)]
+        rows = self.correlation.matrix
+        if {len(row) for row in (rows, *rows)} - {len(at)} or not _bounded(rows):
+            raise ValueError(
+                f"the correlation can't be, got {len(rows)} rows for {len(at)} names, expected "
+                "as many rows and columns and numbers from -1 to 1 [1]. Write the file anew "
+                "with `scdpr identify`."
+            )
+        return np.array(rows).reshape(len(at), len(at))[np.ix_(at, at)]
+
+
+def _bounded(matrix: list[list[float]]) -> bool:
+    """Whether numbers may be correlations, but for rounding."""
+    return all(abs(number) <= 1 + 1e-6 for row in matrix for number in row)
 
 
 def read_parameters(path: pathlib.Path) -> FittedRobot:
@@ -301,12 +312,15 @@ def read_parameters(path: pathlib.Path) -> FittedRobot:
         The robot, with exact friction.
 
     Raises:
-        ValueError: If the file isn't what `scdpr identify` writes; says where.
+        ValueError: If the file isn't what `scdpr identify` writes, or can't be a robot; says
+            where.
     """
     document = read_json(
         path, ParametersDocument, expected="a parameters.json", verb="identify"
     )
     try:
-        return document.fitted_robot()
+        fitted = document.fitted_robot()
+        check_parameters(fitted.parameters)
+        return fitted
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None

@@ -5,7 +5,16 @@ from typing import TypeVar
 
 import pydantic
 
-_Model = TypeVar("_Model", bound=pydantic.BaseModel)
+
+class JsonObject(pydantic.BaseModel, strict=True, allow_inf_nan=False):
+    """What a JSON file, or an object in it, has to hold: base of all of them.
+
+    A number in quotation marks is text, and who wrote it meant something; NaN and Infinity
+    are no numbers of JSON, though many programs write them.
+    """
+
+
+_Model = TypeVar("_Model", bound=JsonObject)
 
 
 def read_json(path: pathlib.Path, model: type[_Model], *, expected: str, verb: str) -> _Model:

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from scdpr_jax.robot.fields import concrete, real, refuse, si
+from scdpr_jax.robot.fields import concrete, measured, real, refuse, si
 from scdpr_jax.robot.parameters import Robot
 
 X, TILT, LOWER, UPPER, HEIGHT = range(5)
@@ -87,28 +87,33 @@ def possible_height(robot: Robot, height: Float[Array, ""]) -> Float[Array, ""]:
         The height; NaN where it is traced and isn't within the frame.
 
     Raises:
-        ValueError: If it is known not to be within the frame.
+        ValueError: If it isn't one number, or is known not to be within the frame.
     """
-    height = _one_place(height, "height")
-    known, top = concrete(height), concrete(robot.frame.height)
+    place = _single(height, "height")
+    known, top = concrete(place), concrete(robot.frame.height)
     message = (
-        "`height` of the end-effector must be within the frame [m], got one that isn't: above "
-        "the lower guide at 0 and below the upper one at the frame's height."
+        f"`height` must be within the frame [m], got {measured(place, 'm')}. Give a height "
+        f"from 0 to the frame's, {measured(top, 'm')}."
     )
-    return refuse(height, ~((known >= 0) & (known <= top)), message)
+    return refuse(place, ~((known >= 0) & (known <= top)), message)
 
 
-def _one_place(value: Any, name: str) -> Float[Array, ""]:
+def _possible_place(value: Any, name: str) -> Float[Array, ""]:
+    place = _single(value, name)
+    message = (
+        f"`{name}` must be finite [m], got {measured(place, 'm')}. Give a place in the frame."
+    )
+    return refuse(place, ~(abs(concrete(place)) < np.inf), message)
+
+
+def _single(value: Any, name: str) -> Float[Array, ""]:
     place = real(value)
     if place.ndim:
         raise ValueError(
             f"`{name}` must be one number [m], got the shape {place.shape}. Put several poses "
             "side by side with `jax.vmap`."
         )
-    message = (
-        f"`{name}` must be finite [m], got a number that isn't. Give a place in the frame."
-    )
-    return refuse(place, ~(abs(concrete(place)) < np.inf), message)
+    return place
 
 
 class State(eqx.Module):
@@ -167,10 +172,7 @@ def rest(
         ValueError: If a place isn't one number, isn't finite, or the height isn't within the
             frame; NaN where it is traced.
     """
-    lower, upper, height = (
-        _one_place(value, name)
-        for value, name in ((lower, "lower"), (upper, "upper"), (height, "height"))
-    )
+    lower, upper = _possible_place(lower, "lower"), _possible_place(upper, "upper")
     height = possible_height(robot, height)
     slope = (lower - upper) / robot.frame.height
     position = jnp.stack([lower - slope * height, jnp.arctan(slope), lower, upper, height])

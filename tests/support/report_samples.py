@@ -1,5 +1,7 @@
 """Small made-up results for the reports' tests: no fit, numbers known beforehand."""
 
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 
@@ -21,6 +23,7 @@ from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.legs.leg import Leg
 from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import QUANTITIES, value
 from scdpr_jax.robot.state import State
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
@@ -255,6 +258,20 @@ def estimate(*, off=0.0, held_out=True, parameters=None, models=()):
         models=models,
         choice=max(len(models) - 1, 0),
     )
+
+
+def complete(made):
+    """An estimate with a row for every quantity, as a fit gives it."""
+    rows, robot = made.fitted.parameters, made.fitted.robot
+    fixed = tuple(
+        parameter(
+            kind.name, float(value(robot, kind.name)), 0.0, unit=kind.unit, status="fixed"
+        )
+        for kind in QUANTITIES
+        if kind.name not in {row.name for row in rows}
+    )
+    fitted = dataclasses.replace(made.fitted, parameters=(*rows, *fixed))
+    return dataclasses.replace(made, fitted=fitted)
 
 
 def frequencies():

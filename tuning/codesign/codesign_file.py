@@ -2,7 +2,7 @@
 
 import json
 import pathlib
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,11 +11,22 @@ import pydantic
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.numerics.files import write_whole
-from scdpr_jax.numerics.json_file import read_json
+from scdpr_jax.numerics.json_file import JsonObject, read_json
 from tuning.codesign.recommendation import CoDesign
 from tuning.codesign.search import Designed
 from tuning.codesign.unknowns import Law
 from tuning.loop.worst_margins import WorstMargin
+from tuning.result.numbers_in_files import (
+    Instants,
+    SamplePeriod,
+    Seconds,
+    VoltSecondsPerRadian,
+    VoltsPerRadian,
+    check_impulses,
+)
+
+_Share = Annotated[float, pydantic.Field(ge=-100.0, le=100.0)]
+"""Share of the way [1]; a leg that overshoots a hundredfold isn't one."""
 
 
 def codesign_document(design: CoDesign, *, caution: str = "") -> str:
@@ -149,31 +160,28 @@ def _margin(margin: WorstMargin) -> dict[str, Any]:
     }
 
 
-class _Number(pydantic.BaseModel):
-    value: pydantic.FiniteFloat
+class _Controller(JsonObject):
+    proportional_gain: VoltsPerRadian
+    derivative_gain: VoltSecondsPerRadian
+    period: SamplePeriod
 
 
-class _Numbers(pydantic.BaseModel):
-    value: list[pydantic.FiniteFloat]
+class _Shaper(JsonObject):
+    times: Instants
+    amplitudes: list[float]
+
+    @pydantic.model_validator(mode="after")
+    def _is_a_shaper(self) -> "_Shaper":
+        check_impulses(self.times.value, self.amplitudes)
+        return self
 
 
-class _Controller(pydantic.BaseModel):
-    proportional_gain: _Number
-    derivative_gain: _Number
-    period: _Number
+class _Leg(JsonObject):
+    duration: Seconds
+    bezier_control_points: Annotated[list[_Share], pydantic.Field(min_length=2)]
 
 
-class _Shaper(pydantic.BaseModel):
-    times: _Numbers
-    amplitudes: list[pydantic.FiniteFloat]
-
-
-class _Leg(pydantic.BaseModel):
-    duration: _Number
-    bezier_control_points: list[pydantic.FiniteFloat]
-
-
-class _Document(pydantic.BaseModel):
+class _Document(JsonObject):
     format: Literal[1]
     controller: _Controller
     shaper: _Shaper

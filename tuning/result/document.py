@@ -12,17 +12,26 @@ import pydantic
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.numerics.files import write_whole
-from scdpr_jax.numerics.json_file import read_json
+from scdpr_jax.numerics.json_file import JsonObject, read_json
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import EVERY_QUANTITY, QUANTITIES, quantity, replace
+from scdpr_jax.robot.stated.ranges import check_robot
 from tuning.loop.margins import Margins
 from tuning.loop.worst_margins import WorstMargin
+from tuning.result.numbers_in_files import (
+    Newtons,
+    SamplePeriod,
+    Seconds,
+    Span,
+    Time,
+    VoltSecondsPerRadian,
+    VoltsPerRadian,
+    check_impulses,
+)
 from tuning.result.prediction import Metrics, Prediction
 from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
 from tuning.result.tuning import FittedSetting, Tuning
-
-_Span = tuple[pydantic.FiniteFloat, pydantic.FiniteFloat]
 
 
 def tuning_document(tuning: Tuning) -> str:
@@ -120,7 +129,7 @@ def read_tuning(path: pathlib.Path) -> Tuning:
             WorstMargin(**{**worst.model_dump(), "value": _told(worst)})
             for worst in gains.margins.flexible
         ),
-        notes=tuple(document.notes),
+        notes=document.notes,
         caution=document.caution,
     )
 
@@ -172,80 +181,57 @@ def _unbounded(name: str) -> float:
     return math.inf if name == "gain_margin" else math.nan
 
 
-class _VoltsPerRadian(pydantic.BaseModel):
-    value: pydantic.FiniteFloat
-    unit: Literal["V/rad"]
-
-
-class _VoltSecondsPerRadian(pydantic.BaseModel):
-    value: pydantic.FiniteFloat
-    unit: Literal["V s/rad"]
-
-
-class _Seconds(pydantic.BaseModel):
-    value: pydantic.NonNegativeFloat
-    unit: Literal["s"]
-
-
-class _WorstMargin(pydantic.BaseModel):
+class _WorstMargin(JsonObject):
     measure: str
     value: float | None
     loop: str
-    height: pydantic.FiniteFloat
-    pretension: pydantic.FiniteFloat
+    height: float
+    pretension: float
 
 
-class _Margins(pydantic.BaseModel):
+class _Margins(JsonObject):
     gain_crossover: float | None
     phase_margin: float | None
     delay_margin: float | None
     phase_crossover: float | None
     gain_margin: float | None
     peak_sensitivity: float | None
-    flexible: list[_WorstMargin] = []
+    flexible: tuple[_WorstMargin, ...] = ()
 
 
-class _Controller(pydantic.BaseModel):
-    proportional_gain: _VoltsPerRadian
-    derivative_gain: _VoltSecondsPerRadian
-    period: _Seconds = _Seconds(value=1e-3, unit="s")
-    filter_time: _Seconds = _Seconds(value=0.0, unit="s")
+class _Controller(JsonObject):
+    proportional_gain: VoltsPerRadian
+    derivative_gain: VoltSecondsPerRadian
+    period: SamplePeriod = SamplePeriod(value=1e-3, unit="s")
+    filter_time: Seconds = Seconds(value=0.0, unit="s")
     margins: _Margins
 
 
-class _Region(pydantic.BaseModel):
-    x: _Span
-    y: _Span
-    pretension: _Span
+class _Region(JsonObject):
+    x: Span
+    y: Span
+    pretension: Span
 
 
-class _Residual(pydantic.BaseModel):
+class _Residual(JsonObject):
     nominal: pydantic.NonNegativeFloat
     worst: pydantic.NonNegativeFloat
 
 
-class _Shaper(pydantic.BaseModel):
+class _Shaper(JsonObject):
     region: _Region
-    height: pydantic.FiniteFloat | None = None
-    times: list[pydantic.NonNegativeFloat]
-    amplitudes: list[pydantic.FiniteFloat]
+    height: float | None = None
+    times: list[Time]
+    amplitudes: list[float]
     residual_vibration: _Residual
     frequency: pydantic.PositiveFloat
-    band: _Span
+    band: Span
     damping_ratio: pydantic.NonNegativeFloat
     measured: bool
 
     @pydantic.model_validator(mode="after")
     def _is_a_shaper(self) -> "_Shaper":
-        if not self.times or len(self.times) != len(self.amplitudes):
-            raise ValueError(
-                f"{len(self.times)} times and {len(self.amplitudes)} amplitudes, expected as "
-                "many of both, one at least"
-            )
-        if self.times != sorted(self.times):
-            raise ValueError("the times decrease [s], expected them sorted")
-        if abs(sum(self.amplitudes) - 1) > 1e-6:
-            raise ValueError(f"the amplitudes sum to {sum(self.amplitudes):.6g}, expected 1")
+        check_impulses(self.times, self.amplitudes)
         return self
 
     def build(self) -> RegionalShaper:
@@ -263,18 +249,13 @@ class _Shaper(pydantic.BaseModel):
         )
 
 
-class _Newtons(pydantic.BaseModel):
-    value: pydantic.NonNegativeFloat
-    unit: Literal["N"]
-
-
-class _Number(pydantic.BaseModel):
-    value: pydantic.FiniteFloat
+class _Number(JsonObject):
+    value: float
     unit: str
 
 
-class _Robot(pydantic.BaseModel):
-    pretension: _Newtons
+class _Robot(JsonObject):
+    pretension: Newtons
     parameters: dict[str, _Number]
 
     @pydantic.model_validator(mode="after")
@@ -286,6 +267,7 @@ class _Robot(pydantic.BaseModel):
             unit = quantity(name).unit
             if number.unit != unit:
                 raise ValueError(f"the unit of {name}: got {number.unit!r}, expected {unit!r}")
+        check_robot({name: number.value for name, number in self.parameters.items()})
         return self
 
     def build(self) -> FittedSetting:
@@ -293,9 +275,9 @@ class _Robot(pydantic.BaseModel):
         return FittedSetting(self.pretension.value, exact(replace(consistent(), values)))
 
 
-class _Pair(pydantic.BaseModel):
-    before: dict[str, pydantic.FiniteFloat]
-    after: dict[str, pydantic.FiniteFloat]
+class _Pair(JsonObject):
+    before: dict[str, float]
+    after: dict[str, float]
 
     @pydantic.model_validator(mode="after")
     def _has_every_metric(self) -> "_Pair":
@@ -306,11 +288,11 @@ class _Pair(pydantic.BaseModel):
         return self
 
 
-class _Document(pydantic.BaseModel):
+class _Document(JsonObject):
     format: Literal[1]
     controller: _Controller
     shapers: list[_Shaper]
     predicted: dict[str, _Pair]
-    robots: list[_Robot] = []
-    notes: list[str] = []
+    robots: tuple[_Robot, ...] = ()
+    notes: tuple[str, ...] = ()
     caution: str = ""

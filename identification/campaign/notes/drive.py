@@ -1,4 +1,7 @@
-"""What a run's drive, and its start, are worth noting for."""
+"""What a run's drive, and its start, are worth noting for.
+
+What sensors say of each other, and faults that a run shows by itself, `doctor` tells.
+"""
 
 import math
 from collections.abc import Iterator
@@ -6,18 +9,24 @@ from collections.abc import Iterator
 import numpy as np
 
 from identification.campaign.notes.note import Note, Observation, early_motion, rig_value, share
-from identification.campaign.read import RUN_FILE
 from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
 from identification.campaign.types import Campaign, Run, encoder_resolution
+
+GAP = 3.5
+"""Sample periods without a sample that are a gap, of which the doctor tells: two samples are
+lost, and it's no jitter."""
+
+BEYOND = 1.02
+"""Voltage over the limit from which on the doctor contradicts."""
 
 
 def _sampling(run: Run, campaign: Campaign) -> Iterator[Note]:
     steps = np.diff(run.drive.time)
     period = float(np.median(steps))
     # Half a period: beyond it, a sample was late or is missing, and it's more than jitter.
-    odd = np.abs(steps - period) > period / 2
+    odd = (np.abs(steps - period) > period / 2) & (steps <= GAP * period)
     if odd.any():
-        worst = int(np.argmax(np.abs(steps - period)))
+        worst = int(np.argmax(np.where(odd, np.abs(steps - period), 0.0)))
         yield Note(
             what=f"irregular sampling: {share(odd)} of the steps are off the period of "
             f"{period * 1e3:.4g} ms, one of {steps[worst] * 1e3:.4g} ms at "
@@ -31,16 +40,9 @@ def _voltage_limit(run: Run, campaign: Campaign) -> Iterator[Note]:
     limit = rig_value("voltage_limit", campaign)
     largest = np.abs(run.drive.voltage).max(axis=1)
     # A thousandth of the limit: a logger's last digit, and half a count of 11 bits.
-    beyond, clipped = largest > limit * 1.001, largest >= limit * 0.999
-    stated = "of [robot]" if "voltage_limit" in campaign.robot else "of the paper's rig"
-    if beyond.any():
-        yield Note(
-            what=f"voltage beyond the limit {stated}: {largest.max():.4g} V, limit "
-            f"{limit:.4g} V, in {share(beyond)} of the samples",
-            cause="The command was logged before saturation, or the limit is another one.",
-            remedy="Log the command after saturation, or set `voltage_limit` in [robot].",
-        )
-    elif clipped.any():
+    clipped = largest >= limit * 0.999
+    if clipped.any() and largest.max() <= BEYOND * limit:
+        stated = "of [robot]" if "voltage_limit" in campaign.robot else "of the paper's rig"
         yield Note(
             what=f"voltage clipped at the limit {stated}, {limit:.4g} V, in "
             f"{share(clipped)} of the samples",
@@ -66,30 +68,6 @@ def _encoder(run: Run, campaign: Campaign) -> Iterator[Note]:
             )
 
 
-def _encoder_jumps(run: Run, campaign: Campaign) -> Iterator[Note]:
-    speed = np.abs(np.diff(run.drive.angle, axis=0) / np.diff(run.drive.time)[:, None])
-    # 1000 rad/s at the pulley is 9500 turns a minute: no geared drive gets there.
-    rows, motors = np.nonzero(speed > 1000)
-    if rows.size:
-        row, motor = int(rows[0]), int(motors[0])
-        jump = run.drive.angle[row + 1, motor] - run.drive.angle[row, motor]
-        yield Note(
-            what=f"`alpha_{motor + 1}` jumps by {jump:.4g} rad at "
-            f"t = {run.drive.time[row]:.4g} s, and {rows.size - 1} times more",
-            cause="A counter that overflowed, or a lost encoder line.",
-            remedy="Unwrap the counter when logging, and repeat the run.",
-        )
-
-
-def _knock(run: Run, campaign: Campaign) -> Iterator[Note]:
-    if run.kind == "pseudo_impulse" and run.knock is None:
-        yield Note(
-            what="a pseudo-impulse without [knock]",
-            cause="When the end-effector was knocked isn't known.",
-            remedy="Add [knock] with its start and duration.",
-        )
-
-
 def excitation_start(run: Run) -> float | None:
     """Time of a run's first command or knock.
 
@@ -107,11 +85,14 @@ def excitation_start(run: Run) -> float | None:
 
 
 def _no_excitation(run: Run, campaign: Campaign) -> Iterator[Note]:
-    is_noted = run.kind == "pseudo_impulse" and run.knock is None
-    if excitation_start(run) is None and not is_noted:
+    """Motion without a cause; where nothing moves either, the doctor tells."""
+    turned = float(np.ptp(run.drive.angle, axis=0).max())
+    moves = turned > 8 * campaign.sensors.encoder_sigma
+    if excitation_start(run) is None and moves and run.kind in ("torque_step", "motor_step"):
         yield Note(
-            what="nothing is commanded and nothing is knocked in the whole run",
-            cause="A run without excitation tells nothing but the noise.",
+            what="nothing is commanded in the whole run, and a pulley turns by "
+            f"{turned:.3g} rad",
+            cause="The command isn't logged, or somebody moved the robot.",
             remedy="Check the logged voltage, or leave the run out.",
         )
 
@@ -154,8 +135,6 @@ DRIVE_OBSERVATIONS: tuple[tuple[str, Observation], ...] = (
     (DRIVE_FILE, _sampling),
     (DRIVE_FILE, _voltage_limit),
     (DRIVE_FILE, _encoder),
-    (DRIVE_FILE, _encoder_jumps),
-    (RUN_FILE, _knock),
     (DRIVE_FILE, _no_excitation),
     (DRIVE_FILE, _no_rest),
     (DRIVE_FILE, _early_motion),

@@ -19,6 +19,9 @@ from identification.doctor.statistics import slope, spread, travel
 SLOPE = 0.012
 """Camera over encoders: elastic cables make it 1.001 to 1.003."""
 
+GIVE = 0.001
+"""What cables, play and friction take of a motion [m], over which a slope goes with it."""
+
 START = 0.010
 """Camera minus [initial] [m], the median of the runs; one run alone reaches 4 mm."""
 
@@ -39,6 +42,12 @@ PERIODS = (5e-4, 0.5)
 
 LEAN = 2.6
 """Factor of the rotation over the line between the carriages: good ones, 0.97 to 1.19."""
+
+RINGING = 8.0
+"""The same where nothing but knocks tells it."""
+
+FIRM = 0.8
+"""Correlation from which rotation and line go together in knocks, too."""
 
 FAR = 0.15
 """Travel of a run [m] that neither a knock nor the cable's elasticity gives."""
@@ -217,12 +226,14 @@ def _slopes(moving: Sequence[Pairing]) -> list[Relation]:
             (pair.along if axis == "x" else pair.up, pair.position[:, column])
             for pair in moving
         ]
-        fit = slope(pair for pair in pairs if travel(pair[0]) > MOVES)
+        pairs = [pair for pair in pairs if travel(pair[0]) > MOVES]
+        fit = slope(pairs)
         if fit is not None and abs(fit.correlation) > 0.9:
+            farthest = max(travel(pair[0]) for pair in pairs)
             found.append(
                 Relation(
                     name=f"slope.{axis}",
-                    excess=abs(fit.value - 1) / SLOPE,
+                    excess=abs(fit.value - 1) / (SLOPE + GIVE / farthest),
                     what=f"camera {name} over encoder {axis}: slope {fit.value:.4f} ± "
                     f"{fit.sigma:.1g} in {len(pairs)} runs",
                     figures={"slope": fit.value, "sigma": fit.sigma, "runs": len(pairs)},
@@ -237,14 +248,14 @@ def _clock(case: Case, moving: int) -> list[Relation]:
         return []
     offset = Relation(
         name="clock.offset",
-        excess=abs(terms.offset) / OFFSET,
+        excess=abs(terms.offset) / (OFFSET + terms.offset_error),
         what=f"the camera's clock is {terms.offset * 1e3:.3g} ms off what is stated",
         figures={"offset_s": terms.offset},
     )
     drift = Relation(
         name="clock.drift",
         # One elastic run alone can't tell a drift from its cable.
-        excess=abs(terms.drift) / DRIFT if moving > 1 else 0.0,
+        excess=abs(terms.drift) / (DRIFT + terms.drift_error) if moving > 1 else 0.0,
         what=f"the camera's clock gains {terms.drift * 1e3:.3g} ms a second",
         figures={"rate": terms.drift},
     )
@@ -319,21 +330,24 @@ def _height(moving: Sequence[Pairing], case: Case) -> list[Relation]:
 
 def _rotation(pairs: Sequence[Pairing], case: Case) -> list[Relation]:
     """The end-effector turns with the line between the carriages."""
-    calm = [pair for pair in pairs if pair.record.kind != "pseudo_impulse"] or pairs
+    calm = [pair for pair in pairs if pair.record.kind != "pseudo_impulse"]
     fit = slope(
         (
             (pair.position[:, Q3] - pair.position[:, Q4]) / case.rig.height,
             pair.position[:, D],
         )
-        for pair in calm
+        for pair in calm or pairs
     )
     if fit is None:
         return []
     sure = abs(fit.value) > 6 * fit.sigma and fit.sigma < 0.12 * max(1.0, abs(fit.value))
+    # A knocked end-effector rings about the line by itself.
+    rings = not calm and abs(fit.correlation) < FIRM
+    ratio = abs(fit.value) if rings else max(fit.value, 1e-3)
     return [
         Relation(
             name="rotation",
-            excess=off(max(fit.value, 1e-3) / 1.05, LEAN) if sure else 0.5,
+            excess=off(ratio / 1.05, RINGING if rings else LEAN) if sure else 0.5,
             what=f"rotation over the line between the carriages: slope {fit.value:.4g} ± "
             f"{fit.sigma:.1g}",
             figures={"slope": fit.value, "sigma": fit.sigma},

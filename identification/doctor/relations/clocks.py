@@ -6,6 +6,7 @@ shift, and takes the shift that leaves least.
 """
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -18,6 +19,15 @@ from identification.doctor.statistics import huber, spread, travel
 
 UNKNOWN_REACH = 0.1
 """What a clock that isn't stated may be off by [s] and be no finding."""
+
+SURE = 3.0
+"""Standard errors that a clock's error may have by chance."""
+
+ALIKE = 6.0
+"""Frames in a row whose residuals are alike: what cables and play leave isn't noise."""
+
+CREEP = 0.02
+"""Speed [m/s] above which dry friction has its sign."""
 
 
 class _Film(NamedTuple):
@@ -125,13 +135,20 @@ class ClockTerms(NamedTuple):
     """Its rate [1]."""
     scale: float
     """Camera over encoders, which the regression has to allow for."""
+    offset_error: float
+    """What the offset may be off by, with a chance of a few in a thousand [s]."""
+    drift_error: float
+    """The same of the rate [1]."""
 
 
 def clock_terms(case: Case) -> ClockTerms | None:
-    """Error of the camera's clock and its rate, by one robust regression.
+    r"""Error of the camera's clock and its rate, by one robust regression.
 
     The camera is regressed on the encoders, on their speed, and on their speed times the
-    time in the run: to first order the last two are an offset and a drift.
+    time in the run: to first order the last two are an offset and a drift. A cable that
+    gives way lets the carriage lag by $(f \,\mathrm{sign}\,\dot s + m \ddot s) / k$: without
+    the sign and the acceleration beside them, a step forwards and its braking look like a
+    clock that gains some milliseconds a second.
 
     Args:
         case: The campaign, signs and scales right.
@@ -143,9 +160,11 @@ def clock_terms(case: Case) -> ClockTerms | None:
     if not rows:
         return None
     table = np.concatenate(rows)
-    matrix, right = table[:, :3], table[:, 3]
-    if not np.all(matrix.std(axis=0) > 0):
+    matrix, right = table[:, :-1], table[:, -1]
+    size = matrix.std(axis=0)
+    if not np.all(size > 0):
         return None
+    matrix = matrix / size
     weight = np.ones(len(right))
     for _ in range(6):
         root = np.sqrt(weight)
@@ -153,13 +172,22 @@ def clock_terms(case: Case) -> ClockTerms | None:
         error = right - matrix @ terms
         noise = spread(error)
         weight = huber(error, 2 * max(noise, 1e-12))
+    terms = terms / size
     scale = float(terms[0])
     if noise > 0.05 * float(np.std(right)) or scale <= 0:
         return None
-    return ClockTerms(float(-terms[1]) / scale, float(-terms[2]) / scale, scale)
+    power = np.linalg.pinv((matrix * weight[:, None]).T @ matrix, hermitian=True)
+    errors = SURE * math.sqrt(ALIKE) * noise * np.sqrt(np.abs(np.diag(power))) / size / scale
+    return ClockTerms(
+        float(-terms[1]) / scale,
+        float(-terms[2]) / scale,
+        scale,
+        float(errors[1]),
+        float(errors[2]),
+    )
 
 
-def _blocks(pair: Pairing) -> list[Float64[np.ndarray, "frames 4"]]:
+def _blocks(pair: Pairing) -> list[Float64[np.ndarray, "frames 6"]]:
     blocks = []
     for base, column in ((pair.along, Q3), (pair.up, Y)):
         signal = pair.position[:, column]
@@ -168,6 +196,7 @@ def _blocks(pair: Pairing) -> list[Float64[np.ndarray, "frames 4"]]:
             continue
         speed = np.gradient(base, pair.time)
         elapsed = pair.time - pair.record.time[0]
-        block = np.stack([base, speed, speed * elapsed, signal], axis=1)[seen]
+        lags = np.gradient(speed, pair.time), np.tanh(speed / CREEP)
+        block = np.stack([base, speed, speed * elapsed, *lags, signal], axis=1)[seen]
         blocks.append(block - block.mean(axis=0))
     return blocks

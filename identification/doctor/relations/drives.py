@@ -4,13 +4,20 @@ Each limit is what good campaigns reach, of the model's rig and of elastic ones,
 margin of about two; `docs` has the table.
 """
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from identification.campaign.notes.drive import BEYOND
 from identification.doctor.case import Case
 from identification.doctor.relations.relation import Relation, off
-from identification.doctor.relations.responses import Response, drive_inertia, responses
+from identification.doctor.relations.responses import (
+    Inertia,
+    Response,
+    drive_inertia,
+    responses,
+)
 
 GAIN = 1.9
 """Factor that a gain may be off: J is 0.77 to 1.41 of the nameplate's on good rigs."""
@@ -20,12 +27,6 @@ DECAY = 3.0
 
 UNEXPLAINED = 0.72
 """Share of the acceleration that may be left: elastic cables leave 0.5 of "sum"."""
-
-VOLTS = 1.15
-"""Factor that the torque per volt may be off."""
-
-LIMIT = 1.02
-"""Largest command over the limit."""
 
 PERIODS = (2e-5, 0.1)
 """Sample periods of a drive [s] that there are."""
@@ -47,7 +48,7 @@ def drive_relations(case: Case) -> Iterator[Relation]:
         yield from _response(mode, response)
     inertia = drive_inertia(case, found)
     if inertia is not None:
-        yield _volts(*inertia)
+        yield _volts(inertia)
 
 
 def _limit(case: Case) -> Relation:
@@ -55,7 +56,7 @@ def _limit(case: Case) -> Relation:
     limit = case.rig.voltage_limit
     return Relation(
         name="limit",
-        excess=largest / (LIMIT * limit),
+        excess=largest / (BEYOND * limit),
         what=f"the largest command is {largest:.4g} V, the limit {limit:.4g} V",
         figures={"largest_V": largest, "limit_V": limit},
     )
@@ -109,10 +110,16 @@ def _spoken(mode: str) -> str:
     )
 
 
-def _volts(inertia: float, ratio: float) -> Relation:
+def _volts(inertia: Inertia) -> Relation:
+    allowed = math.exp(inertia.error)
     return Relation(
         name="volts",
-        excess=off(ratio, VOLTS),
-        what=f"torque for a volt is {ratio:.3g} of what the rig should have",
-        figures={"ratio": ratio, "drive_inertia": inertia},
+        excess=off(inertia.ratio, allowed),
+        what=f"torque for a volt is {inertia.ratio:.3g} of what the rig should have, within a "
+        f"factor of {allowed:.3g}",
+        figures={
+            "ratio": inertia.ratio,
+            "factor": allowed,
+            "drive_inertia": inertia.value,
+        },
     )

@@ -3,6 +3,7 @@
 from identification.doctor.samples.clocks import clocks as clocks
 from identification.doctor.samples.duplicates import duplicates as duplicates
 from identification.doctor.samples.encoders import encoders as encoders
+from identification.doctor.samples.encoders import slow_jumps as slow_jumps
 from identification.doctor.samples.excitation import excitation as excitation
 from identification.doctor.samples.frames import frames as frames
 from identification.doctor.samples.kinds import kinds as kinds

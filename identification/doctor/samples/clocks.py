@@ -6,12 +6,10 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float64
 
-from identification.doctor.case import GAP, Record, Rig
+from identification.campaign.notes import camera, drive
+from identification.doctor.case import Record, Rig
 from identification.doctor.findings import Finding
 from identification.doctor.words import finding
-
-CAMERA_GAP = 6.2
-"""Frame periods without a frame that are told; a dropout of six frames is common."""
 
 LONGEST_PAUSE = 3000
 """Sample periods, or three times the run: a longer step is a clock that was set."""
@@ -27,11 +25,11 @@ def clocks(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
     Returns:
         The run on clocks that go on, and what was found.
     """
-    time, found = _stream(record, "drive", record.time, GAP)
+    time, found = _stream(record, "drive", record.time, drive.GAP)
     record = dataclasses.replace(record, time=time)
     if record.frame_time is None:
         return record, found
-    time, more = _stream(record, "camera", record.frame_time, CAMERA_GAP)
+    time, more = _stream(record, "camera", record.frame_time, camera.GAP)
     return dataclasses.replace(record, frame_time=time), (*found, *more)
 
 

@@ -26,9 +26,15 @@ LEAST_COUNTS = 12
 STRONGEST = 8
 """Steps of the strongest acceleration that a jump is at least."""
 
+DRIVEN = 3
+"""Steps of a bare drive's strongest acceleration that one above both its neighbours is."""
+
 SLOW = 0.0045
 """Sample period [s] above which a step's neighbours tell its motion only coarsely: 250 Hz is
 on this side of it, however its time stamps round."""
+
+FASTEST = 2e-5
+"""Sample period [s] below which the time is in another unit, and speeds say nothing."""
 
 
 class _Steps(NamedTuple):
@@ -62,6 +68,41 @@ def encoders(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
     return record, tuple(found)
 
 
+def slow_jumps(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
+    """Jumps in a slow log that are more than its drives can do, once units are right.
+
+    At 200 Hz a step's neighbours three before and after have seen other speeds. The next
+    ones haven't: a step that is above or below both by more than the strongest command
+    accelerates a bare drive is no motion.
+
+    Args:
+        record: The run, its units and clocks put right.
+        rig: What is known of the rig.
+
+    Returns:
+        The run with angles that go on, and what was found.
+    """
+    found: list[Finding] = []
+    step = np.diff(record.angle, axis=0)
+    if record.period <= SLOW or len(step) < FEWEST_STEPS:
+        return record, ()
+    limit = max(LEAST_COUNTS * rig.count, DRIVEN * _strongest(record, rig))
+    wide = np.diff(record.time) > 1.6 * record.period
+    for encoder in (0, 1):
+        before, after = np.diff(step[:, encoder])[:-1], -np.diff(step[:, encoder])[1:]
+        sharp = np.minimum(np.abs(before), np.abs(after)) * (before * after > 0)
+        rows = np.flatnonzero((sharp > limit) & ~wide[1:-1]) + 1
+        if rows.size:
+            record, told = _closed(record, encoder, _compared(step[:, encoder]), rows)
+            found += told
+    return record, tuple(found)
+
+
+def _strongest(record: Record, rig: Rig) -> float:
+    """What the strongest command changes a bare drive's step by [rad]."""
+    return rig.voltage_limit * rig.torque_per_volt / rig.inertia * record.period**2
+
+
 def wrap_periods(rig: Rig) -> dict[str, float]:
     """The periods at which angles wrap [rad], by what they are.
 
@@ -79,6 +120,12 @@ def wrap_periods(rig: Rig) -> dict[str, float]:
     }
 
 
+def _short_counters(rig: Rig, span: float) -> dict[str, float]:
+    """Periods of shorter counters [rad], which must hold all that the encoder shows."""
+    periods = {f"2^{bits} counts": 2**bits * rig.count for bits in (14, 13, 12)}
+    return {name: period for name, period in periods.items() if span < 1.01 * period}
+
+
 def _encoder(record: Record, rig: Rig, encoder: int) -> tuple[Record, list[Finding]]:
     step = np.diff(record.angle[:, encoder])
     if len(step) < FEWEST_STEPS or not np.any(step):
@@ -90,9 +137,11 @@ def _encoder(record: Record, rig: Rig, encoder: int) -> tuple[Record, list[Findi
     size = np.abs(steps.out[rows])
     typical = float(np.median(size))
     alike = float(np.mean(np.abs(size / typical - 1) < 0.05)) > 0.7
-    names = [n for n, period in wrap_periods(rig).items() if abs(typical / period - 1) < 0.03]
+    span = float(np.ptp(record.angle[:, encoder]))
+    periods = wrap_periods(rig) | _short_counters(rig, span)
+    names = [name for name, period in periods.items() if abs(typical / period - 1) < 0.03]
     if alike and (names or len(rows) >= 3):
-        period = wrap_periods(rig)[names[0]] if names else typical
+        period = periods[names[0]] if names else typical
         return _unwrapped(record, encoder, steps, rows, period, names)
     return _closed(record, encoder, steps, rows)
 
@@ -109,11 +158,11 @@ def _standing_out(steps: _Steps, record: Record, rig: Rig) -> Bool[np.ndarray, "
     """Steps that can't be motion."""
     count = float(np.min(np.abs(steps.step[steps.step != 0])))
     # A step differs from its neighbours by what the strongest command does in a few periods.
-    strongest = rig.voltage_limit * rig.torque_per_volt / rig.inertia
-    least = STRONGEST * strongest * record.period**2
-    if record.period > SLOW:
+    strongest = _strongest(record, rig)
+    least = STRONGEST * strongest
+    if record.period > SLOW or record.period < FASTEST:
         # At 100 Hz and slower that is as much as the robot moves.
-        least = 2.2 * float(np.quantile(np.abs(steps.near), 0.9))
+        least = max(DRIVEN * strongest, 2.2 * float(np.quantile(np.abs(steps.near), 0.9)))
     usual = 8 * float(np.quantile(np.abs(steps.out), 0.93))
     limit = max(usual, LEAST_COUNTS * count, least)
     turns = np.zeros(len(steps.step), dtype=bool)

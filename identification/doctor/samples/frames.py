@@ -79,14 +79,16 @@ def _repeated(position: Float64[np.ndarray, "frames 5"]) -> Bool[np.ndarray, "fr
     """
     same = np.zeros(position.shape, dtype=bool)
     same[1:] = position[1:] == position[:-1]
-    body = same[:, X] & same[:, Y]
+    # A marker that was lost before stays so where a frame is repeated.
+    kept = same.copy()
+    kept[1:] |= np.isnan(position[1:]) & np.isnan(position[:-1])
+    body, frame = (kept[:, list(columns)].all(axis=1) for columns in ((X, Y), PLACES))
     alone = same[~body].mean(axis=0) if (~body).any() else np.ones(5)
+    often = np.where(same, alone, 1.0)
     lost = np.zeros(position.shape, dtype=bool)
-    if len(position) * float(alone[X] * alone[Y]) < CHANCE:
-        lost[np.ix_(body, (X, D, Y))] = True
-    frame = body & same[:, Q3] & same[:, Q4]
-    if len(position) * float(np.prod(alone[list(PLACES)])) < CHANCE:
-        lost[frame] = True
+    for repeated, columns, cells in ((body, (X, Y), (X, D, Y)), (frame, PLACES, range(5))):
+        rare = len(position) * often[:, list(columns)].prod(axis=1) < CHANCE
+        lost[np.ix_(repeated & rare, list(cells))] = True
     return lost
 
 

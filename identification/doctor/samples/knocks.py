@@ -39,11 +39,13 @@ def knocks(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
     Returns:
         The run with the knock that was found, and what was found.
     """
-    if record.kind != "pseudo_impulse" or not record.filmed:
+    if record.kind != "pseudo_impulse":
         return record, ()
     moved = onset(record, rig)
     if moved is None or first_command(record, rig, 0.05) < moved.before - EARLY:
-        return record, ()
+        # That nothing moves is told as another kind of run.
+        untold = record.knock is None and not (record.filmed and moved is None)
+        return record, (_unseen(record),) if untold else ()
     found = _knock(record, moved)
     if record.knock is None:
         told = _finding("knock.missing", "note", record, moved, found)
@@ -52,6 +54,18 @@ def knocks(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
     else:
         return record, ()
     return dataclasses.replace(record, knock=found), (told,)
+
+
+def _unseen(record: Record) -> Finding:
+    return finding(
+        "knock.missing",
+        "note",
+        runs=[record.name],
+        what="the knock isn't stated, and the camera doesn't show when it was"
+        if record.filmed
+        else "the knock isn't stated, and there is no camera that shows when it was",
+        evidence={"stated_s": None},
+    )
 
 
 def _possible(record: Record, moved: Onset) -> bool:

@@ -56,6 +56,7 @@ def _moving(record: Record, rig: Rig) -> tuple[Finding, ...]:
                 column=column,
                 row=0,
                 evidence={"speed": speed, "largest_speed": largest / record.period},
+                mend={"do": "leave the run out", "run": record.name},
             )
             return (told,)
     return ()

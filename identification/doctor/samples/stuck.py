@@ -12,6 +12,12 @@ from identification.doctor.words import finding
 STRONG = 0.25
 """Share of the voltage limit that moves every drive: a breakaway begins below it."""
 
+WEAK = 0.1
+"""Share that moves a drive while the other one turns by `TURNED`."""
+
+TURNED = 0.5
+"""Turn of the other drive [rad] that drags this one along, or is commanded with it."""
+
 STILL = 0.12
 """Time [s] that an encoder can't stand still under a strong command: good ones do 3 ms."""
 
@@ -32,8 +38,12 @@ def stuck(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
     found = []
     if record.kind != "pseudo_impulse":  # its drives may hold, and stand still
         for drive in (0, 1):
-            record, more = _encoder(record, rig, drive)
-            found += [*more, *_command(record, drive)]
+            told = _command(record, drive)
+            if told:
+                record = dataclasses.replace(record, commanded=False)
+            else:
+                record, told = _encoder(record, rig, drive)
+            found += told
     if record.filmed:
         record, more = _camera(record)
         found += more
@@ -43,7 +53,8 @@ def stuck(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
 def _encoder(record: Record, rig: Rig, drive: int) -> tuple[Record, list[Finding]]:
     first, stop = longest_still(record.angle[:, drive])
     volts = np.abs(record.voltage[first:stop, drive])
-    strong = volts > STRONG * rig.voltage_limit
+    alone = travel(record.angle[first:stop, 1 - drive]) < TURNED
+    strong = volts > (STRONG if alone else WEAK) * rig.voltage_limit
     longest = max(8, STILL / record.period) if record.period < 0.05 else 8
     if strong.sum() <= longest:
         return record, []

@@ -35,6 +35,9 @@ LENGTH_FACTORS = (
 NEAR = 0.03
 """How far a measured factor may be from a unit's and still be taken for it."""
 
+LAGS = 0.25
+"""The same for a camera's column: x_e swings and q_4 lags, and its units are tens apart."""
+
 NAMEPLATE = 120.0
 """Factor that counts, a gearbox or a radius may be off."""
 
@@ -50,20 +53,30 @@ def _sure(fit: Slope | None) -> bool:
     return fit is not None and fit.value > 0 and abs(fit.correlation) > 0.9
 
 
-def _axis(case: Case, axis: str) -> float | None:
-    """Camera over encoders on one axis."""
+def _axis_slope(case: Case, axis: str) -> Slope | None:
+    """Camera over encoders on one axis, None where nothing tells it."""
     pairs = _moving(case)
     if axis == "x":
         fit = slope((pair.along, pair.position[:, Q3]) for pair in pairs)
     else:
         fit = slope((pair.up, pair.position[:, Y]) for pair in pairs)
-    return _tidy(fit) if _sure(fit) else None
+    return fit if _sure(fit) else None
+
+
+def _axis(case: Case, axis: str) -> float | None:
+    fit = _axis_slope(case, axis)
+    return None if fit is None else _tidy(fit)
 
 
 def _both(case: Case) -> float | None:
-    """Camera over encoders, one factor for both axes: the mean of those that moved."""
-    found = [factor for axis in ("x", "y") if (factor := _axis(case, axis))]
-    return math.exp(math.fsum(map(math.log, found)) / len(found)) if found else None
+    """Camera over encoders, one factor for both axes: their mean by their errors."""
+    fits = [fit for axis in ("x", "y") if (fit := _axis_slope(case, axis))]
+    if not fits:
+        return None
+    weights = [(fit.value / fit.sigma) ** 2 for fit in fits]
+    logs = [weight * math.log(fit.value) for weight, fit in zip(weights, fits, strict=True)]
+    mean = math.exp(math.fsum(logs) / math.fsum(weights))
+    return _tidy(Slope(mean, mean / math.sqrt(math.fsum(weights)), 1.0))
 
 
 def _tidy(fit: Slope) -> float:
@@ -151,6 +164,7 @@ def _in_unit(
     measure: Callable[[Case], float | None],
     columns: Sequence[str],
     factors: Sequence[tuple[float, str]],
+    near: float = NEAR,
 ) -> Callable[[Case], Undone | None]:
     """One column's factor, if it is that of a unit."""
 
@@ -159,7 +173,7 @@ def _in_unit(
         if found is None:
             return None
         for factor, what in factors:
-            if abs(found / factor - 1) < NEAR:
+            if abs(found / factor - 1) < near:
                 undone = scaled(case, columns, factor)
                 return undone._replace(step={**undone.step, "what": what})
         return None
@@ -202,7 +216,7 @@ ONE_COLUMN_UNITS: tuple[Slip, ...] = (
         Slip(
             "unit.position",
             CAMERA_COLUMNS[column],
-            _in_unit(_one_column(column), (CAMERA_COLUMNS[column],), LENGTH_FACTORS),
+            _in_unit(_one_column(column), (CAMERA_COLUMNS[column],), LENGTH_FACTORS, LAGS),
         )
         for column in (X, Q3, Q4, Y)
     ),

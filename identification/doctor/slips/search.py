@@ -102,16 +102,18 @@ def _concluded(base: Examination) -> tuple[Case, tuple[Finding, ...]]:
     names = tuple(record.name for record in case.records)
     if base.severity == 0:
         return case, ()
-    options = _search(base) or [Explanation(base.severity, (), (), base)]
+    options, wrong = _search(base) or [Explanation(base.severity, (), (), base)], base.severity
     if options[0].left > SURE or odd_runs(options[0].examination.case):
         some, names_of_some = _in_odd_runs(base)
         if options[0].left > SURE and not (some and some[0].left < SURE):
             options = _pairs(options)
-        if some and some[0].left < max(SURE, min(options[0].left, WORTH * base.severity)):
-            options, names = some, names_of_some
+        both = wrong + _severity_in(base, names_of_some)
+        least = options[0].left + _severity_in(options[0].examination, names_of_some)
+        if some and some[0].left < max(SURE, min(least, WORTH * both)):
+            options, names, wrong = some, names_of_some, both
     best = options[0]
     figures = [(each.name, each.what, each.figures) for each in base.broken]
-    if best.left > WORTH * base.severity:
+    if best.left > WORTH * wrong:
         nothing = explained(
             "unexplained", "nothing fits", {}, figures=figures, runs=names, alternatives=()
         )
@@ -128,6 +130,11 @@ def _concluded(base: Examination) -> tuple[Case, tuple[Finding, ...]]:
         for slip, undone in zip(best.slips, best.undone, strict=True)
     )
     return best.examination.case, findings
+
+
+def _severity_in(whole: Examination, runs: Collection[str]) -> float:
+    """Severity of some runs by themselves, none for none."""
+    return examination(whole.case.only(runs)).severity if runs else 0.0
 
 
 def _search(base: Examination, without: Collection[str] = ()) -> list[Explanation]:
@@ -148,11 +155,18 @@ def _search(base: Examination, without: Collection[str] = ()) -> list[Explanatio
 
 
 def _vanished(base: Examination, after: Examination, slip: Slip) -> int:
-    """Drives' gains that there were and are no more: a factor made their motion vanish."""
+    """Drives whose gain there was and is no more: a factor made their motion vanish.
+
+    What moved forwards may well move up and down: the robot's two modes count as one.
+    """
     if slip.id == "label.kind":  # it takes a run's drives out of judgement, and may
         return 0
-    gains = {each.name for each in base.drives if each.name.startswith("gain.")}
-    return len(gains - {each.name for each in after.drives})
+    return len(_gained(base) - _gained(after))
+
+
+def _gained(examination: Examination) -> set[str]:
+    names = [each.name for each in examination.drives if each.name.startswith("gain.")]
+    return {name if name.startswith("gain.bare") else "robot" for name in names}
 
 
 def _pairs(first: list[Explanation]) -> list[Explanation]:

@@ -14,6 +14,9 @@ from identification.doctor.slips.edits import (
 )
 from identification.doctor.slips.slip import Slip
 
+ASKED = 100.0
+"""What a controller asks for at most, over the limit: beyond it, it is a unit."""
+
 _ALONG = ("x_e", "q_3", "q_4")
 
 
@@ -42,8 +45,12 @@ def _mirrored_x(case: Case) -> Undone:
     return mirrored(case, _ALONG, case.rig.width)
 
 
-def _mirrored_body(case: Case) -> Undone:
-    return mirrored(case, ("x_e",), case.rig.width)
+def _mirrored_alone(column: str) -> Slip:
+    return Slip(
+        "sign.x_e",
+        f"{column} alone counted leftwards",
+        lambda case: mirrored(case, (column,), case.rig.width),
+    )
 
 
 SIGNS: tuple[Slip, ...] = (
@@ -53,9 +60,9 @@ SIGNS: tuple[Slip, ...] = (
     _reversed("sign.y_e", "negative", ("y_e",)),
     Slip("sign.x_e", "counted leftwards", _mirrored_x),
     _reversed("sign.x_e", "negative", _ALONG),
-    Slip("sign.x_e", "x_e alone counted leftwards", _mirrored_body),
-    _reversed("sign.x_e", "x_e alone negative", ("x_e",)),
     _reversed("sign.delta_e", "counted the other way", ("delta_e",)),
+    *(_mirrored_alone(column) for column in _ALONG),
+    *(_reversed("sign.x_e", f"{column} alone negative", (column,)) for column in _ALONG),
 )
 """Reversed signs."""
 
@@ -68,8 +75,10 @@ SWAPS: tuple[Slip, ...] = (
 """Exchanged signals."""
 
 
-def _clipped(case: Case) -> Undone:
+def _clipped(case: Case) -> Undone | None:
     limit = case.rig.voltage_limit
+    if max(float(np.max(np.abs(record.voltage))) for record in case.records) > ASKED * limit:
+        return None
     return commanded(case, lambda record: np.clip(record.voltage, -limit, limit), "clip")
 
 

@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from identification.doctor.case import Case
 from identification.doctor.slips.edits import ANGLES, POSITIONS, TIMES, VOLTAGES, Undone, scaled
 from identification.doctor.slips.scales import ANGLE_FACTORS, LENGTH_FACTORS
@@ -16,9 +18,28 @@ VOLT_FACTORS = ((1e-3, "mV as V"), (1e3, "V as mV"))
 AMPERES = 1 / 0.6
 """Volts for an ampere of the paper's amplifiers, section 4.1 [V/A]."""
 
+APART = math.log(30.0)
+"""Logarithm of the factor that both drives' largest commands may be apart."""
+
 
 def _scale(identifier: str, what: str, columns: tuple[str, ...], factor: float) -> Slip:
     return Slip(identifier, what, lambda case: scaled(case, columns, factor))
+
+
+def _of_one(what: str, column: str, factor: float) -> Slip:
+    """One drive's commands; its largest is then far from the other's, as in no campaign."""
+    own = VOLTAGES.index(column)
+
+    def undo(case: Case) -> Undone | None:
+        largest = [
+            max(float(np.abs(record.voltage[:, k]).max()) for record in case.records)
+            for k in (own, 1 - own)
+        ]
+        if min(largest) == 0 or abs(math.log(factor * largest[0] / largest[1])) > APART:
+            return None
+        return scaled(case, (column,), factor)
+
+    return Slip("unit.voltage", f"{column}: {what}", undo)
 
 
 def _of_limit(what: str, share: float) -> Slip:
@@ -28,8 +49,13 @@ def _of_limit(what: str, share: float) -> Slip:
     return Slip("unit.voltage", what, undo)
 
 
-ANGLE_UNITS: tuple[Slip, ...] = tuple(
-    _scale("unit.alpha", what, ANGLES, factor) for factor, what in ANGLE_FACTORS
+def _counts(case: Case) -> Undone:
+    return scaled(case, ANGLES, case.rig.count)
+
+
+ANGLE_UNITS: tuple[Slip, ...] = (
+    *(_scale("unit.alpha", what, ANGLES, factor) for factor, what in ANGLE_FACTORS),
+    Slip("unit.alpha", "counts as rad", _counts),
 )
 """Both encoders in another unit."""
 
@@ -61,10 +87,6 @@ VOLTAGE_UNITS: tuple[Slip, ...] = (
     _of_limit("per cent of the limit as V", 1e-2),
     _of_limit("per mille of the limit as V", 1e-3),
     _of_limit("share of the limit as V", 1.0),
-    *(
-        _scale("unit.voltage", f"{column}: {what}", (column,), factor)
-        for column in VOLTAGES
-        for factor, what in VOLT_FACTORS
-    ),
+    *(_of_one(what, column, factor) for column in VOLTAGES for factor, what in VOLT_FACTORS),
 )
 """The commands in another unit, of both drives or of one."""

@@ -21,6 +21,8 @@ from identification.next_run.excitation import Excitation
 from identification.next_run.next_experiment import Candidate
 from identification.result.fitted_robot import Residual
 from identification.result.parameters_file import ParametersDocument, read_parameters
+from scdpr_jax.robot.prototype import consistent
+from scdpr_jax.robot.quantities import QUANTITIES, value
 
 NAMES = ["friction_coefficient", "drive_inertia", "effective_pretension 350 N"]
 CORRELATION = [[1.0, 0.1, -0.9], [0.1, 1.0, 0.2], [-0.9, 0.2, 1.0]]
@@ -46,19 +48,26 @@ ROWS = (
     row("drive_inertia", 0.0131, 2e-3, unit="kg m^2", status="weak"),
     row("effective_pretension", 85.0, 0.05, unit="N", setting="350 N"),
 )
+FIXED = tuple(
+    row(
+        known.name, float(value(consistent(), known.name)), 0.0, unit=known.unit, status="fixed"
+    )
+    for known in QUANTITIES
+    if known.name not in {one["name"] for one in ROWS}
+)
 
 
 def document(rows=ROWS):
     return {
         "format": 1,
-        "parameters": list(rows),
+        "parameters": [*rows, *FIXED],
         "correlation": {"names": NAMES, "matrix": CORRELATION},
         "residuals": [dataclasses.asdict(one) for one in QUIET],
     }
 
 
 def rig(rows=ROWS, setting=None):
-    found = ParametersDocument.model_validate(document(rows)).fitted_robot()
+    found = ParametersDocument.model_validate_json(json.dumps(document(rows))).fitted_robot()
     return known_rig(found, setting=setting, log_rate=1000.0, top_speed=1.5)
 
 

@@ -26,6 +26,7 @@ MENDED = (
     "knock at 0.75 s",
     "lost as 0",
     "same run twice",
+    "cut start",
     "before the limit",
 )
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from report_samples import estimate, parameter
+from report_samples import complete, estimate, parameter
 
 from identification.result.parameters_file import (
     ParametersDocument,
@@ -14,7 +14,7 @@ from identification.result.parameters_file import (
 
 
 def test_a_fitted_robot_comes_back_from_its_file(tmp_path):
-    path, made = tmp_path / "parameters.json", estimate()
+    path, made = tmp_path / "parameters.json", complete(estimate())
     write_parameters(path, made)
     fitted = read_parameters(path)
     assert fitted.parameters == made.parameters
@@ -30,7 +30,7 @@ def test_what_has_no_error_is_null_in_the_file_and_infinite_in_a_program(tmp_pat
     made = estimate()
     parameters = (*made.parameters[:2], unseen)
     fitted = dataclasses.replace(made.fitted, parameters=parameters)
-    write_parameters(path, dataclasses.replace(made, fitted=fitted))
+    write_parameters(path, complete(dataclasses.replace(made, fitted=fitted)))
     assert json.loads(path.read_text())["parameters"][2]["sigma"] is None
     assert read_parameters(path).parameters[2].sigma == math.inf
 

@@ -1,12 +1,11 @@
 """A JSON file is what it should be, or one error says where it isn't."""
 
-import pydantic
 import pytest
 
-from scdpr_jax.numerics.json_file import read_json
+from scdpr_jax.numerics.json_file import JsonObject, read_json
 
 
-class Gains(pydantic.BaseModel):
+class Gains(JsonObject):
     """What the file has to hold."""
 
     gain: float
@@ -32,6 +31,10 @@ def test_a_missing_file_is_named_with_the_verb_that_writes_it(tmp_path):
     ("text", "where"),
     [
         ('{"gain": "much"}', "gain is wrong"),
+        ('{"gain": "2.5"}', "gain is wrong"),
+        ('{"gain": true}', "gain is wrong"),
+        ('{"gain": NaN}', "gain is wrong"),
+        ('{"gain": 1e999}', "gain is wrong"),
         ("{}", "gain is wrong"),
         ("[", "the file is wrong"),
     ],

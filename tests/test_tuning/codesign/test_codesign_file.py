@@ -5,6 +5,7 @@ import json
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from hostile_documents import outcomes
 
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.shaper import Shaper
@@ -84,6 +85,10 @@ def test_the_file_tells_the_worst_and_the_mean_of_the_models(tmp_path):
     [
         (lambda d: d["controller"].pop("period"), "controller.period is wrong"),
         (lambda d: d.update(format=2), "format is wrong"),
+        (lambda d: d["controller"]["derivative_gain"].update(value=-1.0), "value is wrong"),
+        (lambda d: d["controller"]["derivative_gain"].update(unit="V/rad"), "unit is wrong"),
+        (lambda d: d["shaper"].update(amplitudes=[0.4, 0.3, 0.2, 0.2]), "sum to 1.1"),
+        (lambda d: d["leg"]["duration"].update(value=float("inf")), "value is wrong"),
     ],
 )
 def test_a_broken_file_is_refused_with_its_place(break_it, told, tmp_path):
@@ -94,6 +99,24 @@ def test_a_broken_file_is_refused_with_its_place(break_it, told, tmp_path):
     path.write_text(json.dumps(document))
     with pytest.raises(ValueError, match=told):
         read_law(path)
+
+
+def check_usable(law):
+    numbers = [*law.shaper.times, *law.profile, law.leg_time, law.controller.derivative_gain]
+    assert np.all(np.isfinite(np.asarray(numbers, dtype=float)))
+    assert float(law.leg_time) >= 0
+    assert float(law.controller.period) > 0
+
+
+def test_hostile_files_give_a_law_or_a_reason(tmp_path):
+    path = tmp_path / "codesign.json"
+    write_codesign(path, co_design())
+    written = json.loads(path.read_text())
+    document = {name: written[name] for name in ("format", "controller", "shaper", "leg")}
+    made = outcomes(read_law, document, path, seed=1, draws=200, judge=check_usable)
+    reasons = [reason for reason in made if reason is not None]
+    assert len(reasons) > 100
+    assert all(reason.startswith(f"{path}: ") and "got" in reason for reason in reasons)
 
 
 @pytest.mark.parametrize(("volts", "holds"), [(9.99, True), (10.0, False)])

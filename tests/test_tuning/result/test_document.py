@@ -2,12 +2,15 @@ import dataclasses
 import json
 
 import jax
+import numpy as np
 import pytest
+from hostile_documents import outcomes
 
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
-from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace, value
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, QUANTITIES, replace, value
+from scdpr_jax.robot.stated.ranges import check_value
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
 from tuning.loop.worst_margins import WorstMargin
@@ -103,11 +106,62 @@ def broken(tuning, tmp_path, change):
             "unknown quantity 'springiness'",
         ),
         (lambda d: d["predicted"]["horizontal"]["after"].popitem(), "expected the metrics"),
+        (
+            lambda d: d["robots"][0]["parameters"]["drive_inertia"].update(value=-0.01),
+            "`drive_inertia` can't be a robot's, got -0.01",
+        ),
+        (
+            lambda d: d["robots"][0]["parameters"]["drive_inertia"].update(value="0.01"),
+            "drive_inertia.value is wrong, got '0.01'",
+        ),
+        (
+            lambda d: d["controller"]["derivative_gain"].update(value=float("nan")),
+            "derivative_gain.value is wrong",
+        ),
+        (
+            lambda d: d["controller"]["proportional_gain"].update(value=-36.0),
+            "proportional_gain.value is wrong, got '-36.0'",
+        ),
+        (lambda d: d["controller"]["period"].update(value=0.0), "period.value is wrong"),
+        (lambda d: d["shapers"][0].update(times=[0.0, 1e9]), "times.1 is wrong"),
     ],
 )
 def test_a_broken_file_is_refused_with_its_place(tuning, tmp_path, change, where):
     with pytest.raises(ValueError, match=where):
         read_tuning(broken(tuning, tmp_path, change))
+
+
+def check_usable(tuning):
+    """Every number that a leg is planned with is one that can be."""
+    for fitted in tuning.robots:
+        for kind in QUANTITIES:
+            check_value(kind.name, float(value(fitted.robot, kind.name)))
+    controller = tuning.controller
+    gains = (controller.proportional_gain, controller.derivative_gain, controller.filter_time)
+    assert all(0 <= float(gain) < 1e7 for gain in gains)
+    assert 0 < float(controller.period) <= 1
+    for regional in tuning.shapers:
+        times = np.asarray(regional.shaper.times)
+        assert np.all(np.diff(times) >= 0)
+        assert 0 <= times[0] <= times[-1] <= 3600
+
+
+def refusals(tuning, path, *, seed, draws):
+    """Reasons of hostile files; what isn't refused can be planned with."""
+    document = json.loads(tuning_document(tuning))
+    made = outcomes(read_tuning, document, path, seed=seed, draws=draws, judge=check_usable)
+    reasons = [reason for reason in made if reason is not None]
+    assert all(reason.startswith(f"{path}: ") and "got" in reason for reason in reasons)
+    return reasons
+
+
+def test_hostile_files_give_a_tuning_or_a_reason(tuning, tmp_path):
+    assert len(refusals(tuning, tmp_path / "tuning.json", seed=1, draws=60)) > 30
+
+
+@pytest.mark.slow
+def test_a_thousand_hostile_files_give_a_tuning_or_a_reason(tuning, tmp_path):
+    assert len(refusals(tuning, tmp_path / "tuning.json", seed=2, draws=1000)) > 500
 
 
 def test_a_missing_file_says_which_command_writes_it(tmp_path):

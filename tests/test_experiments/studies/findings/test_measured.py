@@ -2,7 +2,7 @@ import dataclasses
 import json
 
 import pytest
-from report_samples import estimate
+from report_samples import complete, estimate
 
 from experiments.reports.model_tables import measured_tables
 from experiments.studies.findings.findings import findings
@@ -40,7 +40,7 @@ def test_only_what_the_logs_contradict_is_told():
 
 def test_the_file_holds_it_and_is_read_as_before(tmp_path):
     found, path = measured(off=2.0), tmp_path / "parameters.json"
-    write_parameters(path, found)
+    write_parameters(path, complete(found))
     (row,) = json.loads(path.read_text())["measured_otherwise"]
     assert row["name"] == "end_effector_mass"
     assert row["fitted"] == pytest.approx(row["value"] + 2 * row["sigma"])
