@@ -1,8 +1,12 @@
-"""Whether fitted values are plausible beside the rig's nameplate and its settings."""
+"""Whether fitted values are plausible beside what is known of the rig otherwise.
+
+That is its nameplate, its settings, and what was measured with other means.
+"""
 
 from experiments.page.number_text import plain, readable_unit
 from identification.campaign.quantities import QuantityError, parse_quantity
 from identification.campaign.types import Campaign
+from identification.fit.unknowns.measured import MeasuredFit
 from identification.fit.unknowns.unknowns import PER_SETTING
 from identification.judge.uncertainty import ParameterEstimate, half_width
 from identification.result.estimate import Estimate
@@ -39,6 +43,24 @@ def implausible(estimate: Estimate, campaign: Campaign) -> tuple[str, ...]:
         if parameter.name in NAMEPLATES:
             sentences.append(_far_off(parameter, float(value(prior, parameter.name))))
     return tuple(sentence for sentence in sentences if sentence)
+
+
+def contradiction_sentence(fit: MeasuredFit) -> str:
+    """That the logs contradict what was measured otherwise, in words.
+
+    Args:
+        fit: The number, and the fit's own.
+
+    Returns:
+        The sentence.
+    """
+    number = fit.measured
+    return (
+        f"The logs contradict the {number.name.replace('_', ' ')} that was measured otherwise"
+        f"{' at ' + number.setting if number.setting else ''}: it is "
+        f"{plain(abs(fit.deviation), 2)} of its standard errors off. The fit is a compromise "
+        "between both: find out which is wrong."
+    )
 
 
 def _above_setting(parameter: ParameterEstimate) -> str:

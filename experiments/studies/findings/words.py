@@ -4,7 +4,6 @@ import dataclasses
 
 from experiments.page.number_text import plain
 from experiments.studies.findings.knocks import frequency_sentence
-from experiments.studies.findings.measured import MeasuredFit, contradiction_sentence
 from experiments.studies.findings.models import model_sentences
 from experiments.studies.findings.parameters import (
     FrictionForce,
@@ -12,7 +11,7 @@ from experiments.studies.findings.parameters import (
     friction_sentence,
     parameter_sentence,
 )
-from experiments.studies.findings.plausibility import implausible
+from experiments.studies.findings.plausibility import contradiction_sentence, implausible
 from experiments.studies.findings.predictions import Prediction, prediction_sentence
 from experiments.studies.findings.residuals import (
     Excess,
@@ -22,6 +21,7 @@ from experiments.studies.findings.residuals import (
 )
 from experiments.studies.findings.verdict import doubts
 from identification.campaign.types import Campaign
+from identification.fit.unknowns.measured import MeasuredFit
 from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
 
