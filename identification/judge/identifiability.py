@@ -17,43 +17,16 @@ from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums
 from identification.fit.unknowns.unknowns import decode
 from identification.judge.uncertainty import magnitude
+from identification.sensitivity.combinations import (
+    DETERMINED,
+    Combination,
+    combinations,
+    named,
+)
 from scdpr_jax.robot.quantities import quantity
 
 SENSORS = ("encoders", "camera")
 """Groups of channels in the table of `Identifiability.moved`."""
-
-DETERMINED = 0.1
-"""Relative standard error up to which a combination counts as told [1]."""
-
-NOTABLE_PART = 0.2
-"""Part of a unit combination from which a quantity is named in it [1]."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Combination:
-    """A product of powers of quantities, and how well the logs tell it."""
-
-    names: tuple[tuple[str, str | None], ...]
-    """Name and setting of each quantity."""
-    powers: tuple[float, ...]
-    """Their powers, of unit norm [1]."""
-    sigma: float
-    """Relative standard error of the combination by the noise alone; may be infinite [1]."""
-
-    def text(self) -> str:
-        """The combination in words: which quantities rise and fall together."""
-        parts = [
-            (_named(name, setting), power)
-            for (name, setting), power in zip(self.names, self.powers, strict=True)
-            if abs(power) >= NOTABLE_PART
-        ]
-        if len(parts) == 1:
-            return f"{parts[0][0]} by itself"
-        rising = [name for name, power in parts if power > 0]
-        falling = [name for name, power in parts if power < 0]
-        if not falling or not rising:
-            return f"{_listed(rising + falling)} rising together"
-        return f"{_listed(rising)} rising while {_listed(falling)} fall"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -76,12 +49,12 @@ class Identifiability:
 
     @property
     def rank(self) -> int:
-        """How many combinations the logs tell to better than `DETERMINED`."""
-        return sum(each.sigma < DETERMINED for each in self.combinations)
+        """How many combinations the logs tell."""
+        return sum(each.is_told for each in self.combinations)
 
     def undetermined(self) -> tuple[Combination, ...]:
         """The combinations that the logs don't tell."""
-        return tuple(each for each in self.combinations if each.sigma >= DETERMINED)
+        return tuple(each for each in self.combinations if not each.is_told)
 
     def reason(self, name: str, setting: str | None) -> str:
         """Why a quantity is told badly, in words.
@@ -94,7 +67,7 @@ class Identifiability:
             A sentence.
         """
         index = self.names.index((name, setting))
-        title = _named(name, setting)
+        title = named(name, setting)
         moved = self.moved[:, :, index]
         if not np.any(moved > 0):
             return f"Nothing in the logs depends on the {title}."
@@ -105,9 +78,7 @@ class Identifiability:
                 f"The {title} hardly moves anything: 1 % of it moves {where} the most, by "
                 f"{moved[strongest]:.2g} standard deviations of the noise."
             )
-        shared = [
-            each for each in self.undetermined() if abs(each.powers[index]) >= NOTABLE_PART
-        ]
+        shared = [each for each in self.undetermined() if each.has(index)]
         if shared:
             return f"The logs can't tell {shared[-1].text()}."
         return (
@@ -146,7 +117,7 @@ def identifiability(
     others = np.flatnonzero(unknowns.open_to(problem.fitted()))
     others = others[others >= len(unknowns.shared)]
     names = unknowns.opened_names
-    combinations = _combinations(_schur(matrix, opened, others), names)
+    told = combinations(_schur(matrix, opened, others), names)
     with np.errstate(divide="ignore"):
         alone = 1 / np.sqrt(np.diag(matrix)[opened])
     return Identifiability(
@@ -154,8 +125,8 @@ def identifiability(
         runs=tuple(problem.logs.runs[run].name for run in of_runs),
         moved=0.01 * np.sqrt(moved[:, :, opened]) * scale[opened],
         alone=alone,
-        together=_together(combinations, len(opened)),
-        combinations=combinations,
+        together=_together(told, len(opened)),
+        combinations=told,
     )
 
 
@@ -179,37 +150,12 @@ def _schur(
     return matrix[np.ix_(kept, kept)] - (across * size) @ inner @ (across * size).T
 
 
-def _combinations(
-    information: Float[np.ndarray, "k k"], names: tuple[tuple[str, str | None], ...]
-) -> tuple[Combination, ...]:
-    values, vectors = np.linalg.eigh(information)
-    # What rounding leaves of an eigenvalue that is zero.
-    floor = len(values) * np.finfo(float).eps * max(float(values[-1]), 1e-300)
-    combinations = []
-    for number, vector in zip(values[::-1], vectors.T[::-1], strict=True):
-        vector = vector * np.sign(vector[np.argmax(np.abs(vector))])
-        sigma = float(1 / np.sqrt(number)) if number > floor else np.inf
-        powers = tuple(float(power) for power in vector)
-        combinations.append(Combination(names, powers, sigma))
-    return tuple(combinations)
-
-
-def _together(
-    combinations: tuple[Combination, ...], count: int
-) -> Float[np.ndarray, " quantities"]:
+def _together(told: tuple[Combination, ...], count: int) -> Float[np.ndarray, " quantities"]:
     """Standard errors of the quantities from those of their combinations."""
     variance = np.zeros(count)
-    for combination in combinations:
+    for combination in told:
         power = np.square(combination.powers)
         # An eigenvector's rounding doesn't make a quantity undetermined.
         has_part = power > 1e-12
         variance[has_part] += power[has_part] * combination.sigma**2
     return np.sqrt(variance)
-
-
-def _named(name: str, setting: str | None) -> str:
-    return name.replace("_", " ") + ("" if setting is None else f" at {setting}")
-
-
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
