@@ -3,22 +3,26 @@ r"""What logs can tell of which quantity, before a fit and after it.
 With the residuals' Jacobian $J$ in units of the noise, $J^T J$ is Fisher's information. What
 each run's circumstances share with the quantities is taken off by the Schur complement; the
 eigenvectors of what is left are the combinations of quantities that the logs tell, and the
-small eigenvalues those that they don't.
+small eigenvalues those that they don't. What the rank leaves open is told apart from what the
+noise hides: a combination that moves less than a thousandth of the motion over all that is
+plausible of it isn't told by any sensor, since the model itself is no better than that.
 """
 
 import dataclasses
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from jaxtyping import Float
 
-from identification.fit.comparison import ENCODERS
+from identification.fit.comparison import ENCODERS, Comparison
 from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums
 from identification.fit.unknowns.unknowns import decode
-from identification.judge.uncertainty import magnitude
+from identification.judge.uncertainty import USUAL, magnitude
 from identification.sensitivity.combinations import (
     DETERMINED,
+    SHARE,
     Combination,
     combinations,
     named,
@@ -46,6 +50,9 @@ class Identifiability:
     """The same with all of them unknown; infinite for what the logs don't tell [1]."""
     combinations: tuple[Combination, ...]
     """From the best to the worst told."""
+    unranked: tuple[Combination, ...] = ()
+    """Those that move next to nothing over all that is plausible of them: the Jacobian's rank
+    leaves them open, however small the noise."""
 
     @property
     def rank(self) -> int:
@@ -53,8 +60,17 @@ class Identifiability:
         return sum(each.is_told for each in self.combinations)
 
     def undetermined(self) -> tuple[Combination, ...]:
-        """The combinations that the logs don't tell."""
-        return tuple(each for each in self.combinations if not each.is_told)
+        """The combinations that the logs don't tell, for their noise or for their rank."""
+        noisy = [each for each in self.combinations if not each.is_told]
+        words = {each.text() for each in noisy}
+        return (*noisy, *(each for each in self.unranked if each.text() not in words))
+
+    @property
+    def open_by_rank(self) -> frozenset[tuple[str, str | None]]:
+        """Name and setting of the quantities that the rank leaves open."""
+        return frozenset(
+            name for each in self.unranked for k, name in enumerate(self.names) if each.has(k)
+        )
 
     def reason(self, name: str, setting: str | None) -> str:
         """Why a quantity is told badly, in words.
@@ -88,7 +104,11 @@ class Identifiability:
 
 
 def identifiability(
-    problem: Problem, point: Float[np.ndarray, " n"], of_runs: Mapping[int, RunSums]
+    problem: Problem,
+    point: Float[np.ndarray, " n"],
+    of_runs: Mapping[int, RunSums],
+    *,
+    motion: float,
 ) -> Identifiability:
     """What the fitted runs of a problem can tell, if the robot is about what a point says.
 
@@ -96,6 +116,8 @@ def identifiability(
         problem: The problem.
         point: Vector of the fit; before a fit the start that the logs give.
         of_runs: What each fitted run adds there, by its number.
+        motion: Root of the sum of squares of all that the fitted runs' channels move, over
+            their noise [1].
 
     Returns:
         What moves what, and which combinations are told.
@@ -113,7 +135,8 @@ def identifiability(
             squares = np.diagonal(of_group, axis1=1, axis2=2).sum(axis=0)
             np.add.at(moved[k, group], at, squares)
     matrix += problem.otherwise(point).matrix
-    matrix = matrix * np.outer(scale, scale)
+    plausible = _scales(problem, point, plausible=True)
+    ranked, matrix = matrix * np.outer(plausible, plausible), matrix * np.outer(scale, scale)
     others = np.flatnonzero(unknowns.open_to(problem.fitted()))
     others = others[others >= len(unknowns.shared)]
     names = unknowns.opened_names
@@ -127,15 +150,46 @@ def identifiability(
         alone=alone,
         together=_together(told, len(opened)),
         combinations=told,
+        unranked=tuple(
+            each
+            for each in combinations(_schur(ranked, opened, others), names, motion=motion)
+            if each.share < SHARE
+        ),
     )
 
 
-def _scales(problem: Problem, point: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-    """What a relative change of 1 is in each unknown, where it isn't a logarithm."""
+def motion_over_noise(runs: Iterable[Comparison]) -> float:
+    """How far the fitted runs' channels move, all samples together, over their noise.
+
+    Args:
+        runs: The runs beside their simulations.
+
+    Returns:
+        Root of the sum of squares [1].
+    """
+    return math.sqrt(
+        sum(
+            channel.count * (channel.motion / channel.sigma) ** 2
+            for run in runs
+            if not run.held_out
+            for channel in run.channels
+        )
+    )
+
+
+def _scales(
+    problem: Problem, point: Float[np.ndarray, " n"], *, plausible: bool = False
+) -> Float[np.ndarray, " n"]:
+    """What a relative change of 1 is in each unknown, where it isn't a logarithm.
+
+    Of what may be zero that is its value, or what is negligible of it; all that is plausible
+    of it is the value, or its usual size.
+    """
     scale = np.ones(problem.unknowns.size)
     for index, (name, _) in enumerate(problem.unknowns.shared):
         if not quantity(name).positive:
-            scale[index] = magnitude(name, decode(name, point[index])) or 1.0
+            size = magnitude(name, decode(name, point[index])) or 1.0
+            scale[index] = max(size, USUAL.get(name, size)) if plausible else size
     return scale
 
 

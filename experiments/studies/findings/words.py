@@ -11,7 +11,12 @@ from experiments.studies.findings.parameters import (
     friction_sentence,
     parameter_sentence,
 )
-from experiments.studies.findings.plausibility import contradiction_sentence, implausible
+from experiments.studies.findings.plausibility import (
+    contradiction_sentence,
+    implausible,
+    ringing_doubts,
+    settings_alike,
+)
 from experiments.studies.findings.predictions import Prediction, prediction_sentence
 from experiments.studies.findings.residuals import (
     Excess,
@@ -63,6 +68,7 @@ def words_found(
 def words_sure(
     campaign: Campaign | None,
     estimate: Estimate,
+    frequencies: FrequencyMap | None,
     *,
     beyond: tuple[Excess, ...],
     counted: Whiteness,
@@ -74,6 +80,7 @@ def words_sure(
     Args:
         campaign: The campaign, None if nothing is to be said of its clocks and faults.
         estimate: The estimate.
+        frequencies: Natural frequencies, None without.
         beyond: Channels with more than noise.
         counted: How white the residuals are.
         measured: What was measured otherwise.
@@ -91,6 +98,8 @@ def words_sure(
         *map(prediction_sentence, held_out),
         *_ending(estimate),
         *doubts(estimate),
+        *settings_alike(estimate),
+        *(() if frequencies is None else ringing_doubts(frequencies, estimate.robot)),
     )
     if campaign is None:
         return sentences

@@ -9,7 +9,12 @@ from report_samples import estimate
 
 from experiments.reports.model_tables import measured_tables
 from experiments.studies.findings import findings
-from experiments.studies.findings.plausibility import ABOVE, FACTOR, implausible
+from experiments.studies.findings.plausibility import (
+    ABOVE,
+    FACTOR,
+    implausible,
+    settings_alike,
+)
 from identification.fit.unknowns.measured import MeasuredFit, MeasuredQuantity
 from identification.fit.unknowns.options import FitOptions
 from identification.result.parameters_file import read_parameters, write_parameters
@@ -48,6 +53,17 @@ def test_an_inertia_five_times_the_nameplate_is_told():
     assert "the drive inertia is" in sentence
     (sentence,) = told(*parameters(inertia=nameplate / FACTOR / 1.1))
     assert "of the nameplate's" in sentence
+
+
+@pytest.mark.parametrize(("second", "told"), [(86.0, True), (140.0, False)])
+def test_settings_that_the_fit_finds_to_be_one_are_told(second, told):
+    friction, drive, loop = report_samples.estimated_parameters()
+    low = dataclasses.replace(loop, setting="200 N", value=85.0)
+    high = dataclasses.replace(loop, setting="350 N", value=second)
+    fitted = report_samples.estimate(parameters=(friction, drive, low, high))
+    sentences = settings_alike(fitted)
+    assert bool(sentences) == told
+    assert all("200 N and at 350 N" in sentence for sentence in sentences)
 
 
 def measured(*, off):
