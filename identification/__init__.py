@@ -5,9 +5,11 @@ from scdpr_jax.front_door import front_door as _front_door
 __getattr__, __dir__ = _front_door(
     __name__,
     {
-        "identification.axis.drive_axis": (
-            "DriveAxisEstimate",
-            "estimate_drive_axis",
+        "identification.axis.drive_axis": ("estimate_drive_axis",),
+        "identification.axis.estimate": ("DriveAxisEstimate",),
+        "identification.axis.law": (
+            "AxisLaws",
+            "axis_laws",
         ),
         "identification.axis.log": (
             "AxisLog",

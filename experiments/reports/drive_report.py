@@ -1,6 +1,8 @@
 """The report of one motor-driven axis: one HTML file that needs nothing else."""
 
+import math
 import pathlib
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,25 +11,11 @@ from experiments.figures.identification.correlation import correlation
 from experiments.page.number_text import percent, plain, readable_unit, rounded
 from experiments.page.page import Pictures, page, versions
 from experiments.reports.parameter_table import Row
-from identification.axis.drive_axis import DriveAxisEstimate
+from identification.axis.estimate import DriveAxisEstimate
 from identification.axis.law import AxisLaws
 from identification.axis.log import AxisLog
 from scdpr_jax.numerics.files import write_whole
 
-_LINEAR = {
-    "mass": "kg",
-    "viscous": "N s/m",
-    "coulomb": "N",
-    "offset": "N",
-    "viscous_difference": "N s/m",
-}
-_ROTARY = {
-    "mass": "kg m^2",
-    "viscous": "N m s",
-    "coulomb": "N m",
-    "offset": "N m",
-    "viscous_difference": "N m s",
-}
 _MEANING = {
     "mass": ("M", "", "moving mass, the motor's inertia with it"),
     "viscous": ("F", "v", "viscous friction"),
@@ -37,34 +25,30 @@ _MEANING = {
 }
 
 
-def write_drive_report(
-    path: pathlib.Path, *, log: AxisLog, estimate: DriveAxisEstimate, laws: AxisLaws
-) -> None:
+def write_drive_report(path: pathlib.Path, *, log: AxisLog, laws: AxisLaws) -> None:
     """Write the report of an axis, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         log: The axis's log.
-        estimate: What was found in it.
-        laws: The extended friction law beside the usual one.
+        laws: The usual friction law, and the extended one beside it.
 
     Raises:
         OSError: If the place can't be written to.
     """
-    picture = Pictures()
+    picture, estimate = Pictures(), laws.usual
     text = page(
         "drive.html.j2",
         title="Identification of a motor-driven axis",
-        sentences=[
-            *axis_sentences(estimate, position_unit=log.position_unit),
-            *law_sentences(laws, position_unit=log.position_unit),
-        ],
-        rows=axis_rows(estimate, position_unit=log.position_unit),
+        verdict=axis_verdict(laws),
+        notes=estimate.notes,
+        sentences=[*axis_sentences(estimate), *law_sentences(laws)],
+        rows=axis_rows(estimate),
         pictures=[
             picture(
                 axis_figure(log, estimate),
-                "The simulation is started once at rest and runs open loop over the whole "
-                "record: its distance from the log is the model's own. Where the residual "
+                "The simulation runs open loop over the whole record, or from gap to gap: its "
+                "distance from the log is the law's own. Where the residual "
                 "grows, friction differs from what it is elsewhere.",
             ),
             picture(
@@ -78,34 +62,68 @@ def write_drive_report(
     write_whole(pathlib.Path(path), text)
 
 
-def axis_rows(estimate: DriveAxisEstimate, *, position_unit: str) -> list[Row]:
+def axis_verdict(laws: AxisLaws) -> tuple[str, ...]:
+    """What a law that has failed, or that doesn't hold throughout, comes to, in words.
+
+    Args:
+        laws: Both laws.
+
+    Returns:
+        Sentences; none for a law that fits.
+    """
+    estimate = laws.preferred
+    sentences = []
+    if not estimate.fits:
+        unit, scale = _shown(estimate.position_unit)
+        error = plain(scale * float(estimate.open_loop_rmse), 3)
+        share = percent(float(estimate.open_loop_rmse) / _motion(estimate))
+        sentences.append(
+            f"THE LAW DOES NOT FIT: open loop it is off by {error} {unit} rms, {share} of the "
+            "motion. No value has an interval. Check the gain, that voltage and position "
+            "belong together, and that nothing else moves or holds the axis."
+        )
+    if estimate.changes:
+        listed = "; ".join(
+            f"{_MEANING[change.name][2]} {plain(change.first, 3)} in the first half, "
+            f"{plain(change.second, 3)} {readable_unit(estimate.units[change.name])} in the "
+            "second"
+            for change in estimate.changes
+        )
+        sentences.append(
+            f"ONE LAW DOESN'T FIT THE WHOLE RECORD: {listed}. Something changed on the way: "
+            "the load, the temperature, a stop. Fit the halves by themselves."
+        )
+    return tuple(sentences)
+
+
+def axis_rows(estimate: DriveAxisEstimate) -> list[Row]:
     """The lines of an axis's table of parameters.
 
     Args:
         estimate: The estimate.
-        position_unit: SI unit of its log's positions, "m" or "rad".
 
     Returns:
         One for each parameter.
     """
-    units = _LINEAR if position_unit == "m" else _ROTARY
     rows = []
     for index, name in enumerate(estimate.names):
         number = float(getattr(estimate.parameters, name))
         half = 1.96 * float(getattr(estimate.sigma, name))
         low, high = (float(end) for end in estimate.interval95[index])
         base, lower_index, meaning = _MEANING[name]
+        known = math.isfinite(half)
+        step = half if known else 1e-2 * abs(number)
         rows.append(
             Row(
                 name=name,
                 symbol=(base, lower_index),
                 meaning=meaning,
                 setting="",
-                value=rounded(number, half),
-                low=rounded(low, half),
-                high=rounded(high, half),
-                relative=percent(half / abs(number)) if number else "",
-                unit=readable_unit(units[name]),
+                value=rounded(number, step),
+                low=rounded(low, half) if known else "",
+                high=rounded(high, half) if known else "",
+                relative=percent(half / abs(number)) if half < abs(number) else "",
+                unit=readable_unit(estimate.units[name]),
                 status=estimate.status[index].replace("_", " "),
                 truth="",
                 error="",
@@ -115,65 +133,114 @@ def axis_rows(estimate: DriveAxisEstimate, *, position_unit: str) -> list[Row]:
     return rows
 
 
-def axis_sentences(estimate: DriveAxisEstimate, *, position_unit: str) -> list[str]:
+def axis_sentences(estimate: DriveAxisEstimate) -> list[str]:
     """What an axis's estimate comes to, in plain words.
 
     Args:
         estimate: The estimate.
-        position_unit: SI unit of its log's positions, "m" or "rad".
 
     Returns:
         Sentences: one for each parameter, then how far to trust them.
     """
-    unit = "mm" if position_unit == "m" else "mrad"
-    error, motion = (
-        float(estimate.open_loop_rmse),
-        float(np.ptp(np.asarray(estimate.positions))),
-    )
-    sentences = [
-        f"{row.meaning.capitalize()}: {row.value} {row.unit}, 95 % from {row.low} to "
-        f"{row.high} ({row.status})."
-        for row in axis_rows(estimate, position_unit=position_unit)
-    ]
+    unit, scale = _shown(estimate.position_unit)
+    error, motion = float(estimate.open_loop_rmse), _motion(estimate)
+    sentences = [_parameter_sentence(row) for row in axis_rows(estimate)]
+    sentences += untold_sentences(estimate)
     sentences.append(
-        f"Open loop over the whole record the axis is predicted to {plain(1e3 * error, 3)} "
-        f"{unit} rms, {percent(error / motion)} of its {plain(1e3 * motion, 3)} {unit} of "
+        f"Open loop over the whole record the axis is predicted to {plain(scale * error, 3)} "
+        f"{unit} rms, {percent(error / motion)} of its {plain(scale * motion, 3)} {unit} of "
         "motion."
     )
+    ahead = (
+        f"Beside the open loop, predictions over {_listed(estimate.horizons)} s were fitted. "
+        if estimate.horizons
+        else ""
+    )
     sentences.append(
-        f"{estimate.agreeing_starts} of {estimate.starts} starts of the search agree; the "
-        f"residuals hang together for {plain(float(estimate.memory))} s, which the intervals "
-        "take into account."
+        f"{ahead}{estimate.agreeing_starts} of {estimate.starts} starts of the search agree; "
+        f"the residuals hang together for {plain(float(estimate.memory))} s, which the "
+        "intervals take into account, as they do what horizons and halves disagree by."
     )
     if not estimate.converged:
         sentences.append("The search used up its steps before it converged: don't rely on it.")
     return sentences
 
 
-def law_sentences(laws: AxisLaws, *, position_unit: str) -> list[str]:
+def untold_sentences(estimate: DriveAxisEstimate) -> list[str]:
+    """What the log can't tell, and what it tells instead, in plain words.
+
+    Args:
+        estimate: The estimate.
+
+    Returns:
+        A sentence for each combination that isn't told.
+    """
+    sentences = []
+    together = estimate.sum_of_frictions()
+    for combination in estimate.untold:
+        sentence = (
+            f"The log can't tell {combination.text()}: all that is plausible of it moves the "
+            f"axis by {percent(combination.share)} of its motion."
+        )
+        if together is not None:
+            value, half = together[0], 1.96 * together[1]
+            unit = readable_unit(estimate.units["coulomb"])
+            sentence += (
+                f" It tells Coulomb friction and offset together, {rounded(value, half)} ± "
+                f"{rounded(half, half)} {unit} (95 %), and neither alone: log motion in both "
+                "directions."
+            )
+        sentences.append(sentence)
+    return sentences
+
+
+def law_sentences(laws: AxisLaws) -> list[str]:
     """What an extended friction law would be worth, in plain words.
 
     Args:
         laws: Both laws.
-        position_unit: SI unit of the log's positions, "m" or "rad".
 
     Returns:
         Sentences; one alone where the usual law is enough.
     """
-    unit = "mm" if position_unit == "m" else "mrad"
-    ahead, usual = plain(1e3 * laws.extended_ahead, 3), plain(1e3 * laws.usual_ahead, 3)
+    unit, scale = _shown(laws.usual.position_unit)
+    if math.isnan(laws.usual_ahead + laws.extended_ahead):
+        return ["The record is too short, or too still, to hold a part of it out."]
+    ahead, usual = plain(scale * laws.extended_ahead, 3), plain(scale * laws.usual_ahead, 3)
     compared = (
         "Fitted to the first 60 % of the record alone, a law with viscous friction of its own "
-        f"in each direction predicts the rest to {ahead} {unit} rms, the usual one to {usual} "
-        f"{unit}"
+        f"in each direction predicts the rest to {ahead} {unit}, the usual one to {usual} "
+        f"{unit} (geometric mean over the horizons)"
     )
     if not laws.extended_is_preferred:
         return [f"{compared}: the usual law is enough."]
-    rows = axis_rows(laws.extended, position_unit=position_unit)
-    terms = "; ".join(f"{row.meaning} {row.value} {row.unit}" for row in rows)
-    error = plain(1e3 * float(laws.extended.open_loop_rmse), 3)
+    terms = "; ".join(
+        f"{row.meaning} {row.value} {row.unit}" for row in axis_rows(laws.extended)
+    )
+    error = plain(scale * float(laws.extended.open_loop_rmse), 3)
     return [
         f"{compared}: what was held out prefers the extended law.",
         f"The extended law over the whole record, open loop {error} {unit} rms: {terms}. It is "
         "in parameters.json under `extended`.",
     ]
+
+
+def _parameter_sentence(row: Row) -> str:
+    value = f"{row.meaning[0].upper()}{row.meaning[1:]}: {row.value} {row.unit}"
+    if not row.low:
+        return f"{value} ({row.status})."
+    return f"{value}, 95 % from {row.low} to {row.high} ({row.status})."
+
+
+def _shown(position_unit: str) -> tuple[str, float]:
+    """The unit that positions are told in, and how many there are in one of SI."""
+    return ("mm" if position_unit == "m" else "mrad"), 1e3
+
+
+def _motion(estimate: DriveAxisEstimate) -> float:
+    return float(np.ptp(np.asarray(estimate.positions)))
+
+
+def _listed(numbers: Sequence[float]) -> str:
+    texts = [plain(number, 2) for number in numbers]
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} and {texts[-1]}"

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 from experiments.page.number_text import plain, readable_unit, rounded
 from experiments.page.table import Table, table_of
-from experiments.studies.findings.measured import MeasuredFit
 from identification.checks.posterior import Posterior
 from identification.checks.profile import Profile
+from identification.fit.unknowns.measured import MeasuredFit
 from identification.fit.unknowns.models import Model
 from identification.judge.identifiability import SENSORS, Identifiability
 from identification.result.estimate import Estimate

@@ -6,7 +6,12 @@ from rich.console import Console
 from rich.text import Text
 
 from experiments.page.console_text import print_lines, print_table
-from experiments.reports.drive_report import axis_rows, axis_sentences, law_sentences
+from experiments.reports.drive_report import (
+    axis_rows,
+    axis_sentences,
+    axis_verdict,
+    law_sentences,
+)
 from experiments.reports.influence_tables import influence_tables
 from experiments.reports.knock_table import knock_table
 from experiments.reports.model_tables import (
@@ -21,7 +26,6 @@ from experiments.studies.findings.findings import Findings
 from experiments.studies.findings.influence import influence_sentences
 from experiments.studies.findings.parameters import estimated
 from experiments.studies.findings.tuning import tuning_sentences
-from identification.axis.drive_axis import DriveAxisEstimate
 from identification.axis.law import AxisLaws
 from identification.checks.posterior import Posterior
 from identification.checks.profile import Profile
@@ -130,23 +134,19 @@ def show_frequencies(console: Console, frequencies: FrequencyMap) -> None:
     print_lines(console, lines)
 
 
-def show_axis(
-    console: Console,
-    estimate: DriveAxisEstimate,
-    laws: AxisLaws,
-    *,
-    position_unit: str = "m",
-) -> None:
+def show_axis(console: Console, laws: AxisLaws) -> None:
     """Print an axis's parameters.
 
     Args:
         console: Where to print them.
-        estimate: The estimate.
-        laws: The extended friction law beside the usual one.
-        position_unit: SI unit of its log's positions, "m" or "rad".
+        laws: The usual friction law, and the extended one beside it.
     """
-    rows = axis_rows(estimate, position_unit=position_unit)
+    estimate = laws.usual
+    for line in axis_verdict(laws):
+        console.print(Text(line, style="bold red"))
+    rows = axis_rows(estimate)
     print_table(console, parameters_table(rows, with_truth=False), styles=_STYLES)
+    for note in estimate.notes:
+        console.print(Text(f"note: {note}"))
     # The parameters are in the table already.
-    sentences = axis_sentences(estimate, position_unit=position_unit)[len(estimate.names) :]
-    print_lines(console, [*sentences, *law_sentences(laws, position_unit=position_unit)])
+    print_lines(console, [*axis_sentences(estimate)[len(rows) :], *law_sentences(laws)])

@@ -1,66 +1,46 @@
-"""Inertia, friction and offset of one motor-driven axis, from its open-loop response."""
+"""Inertia, friction and offset of one motor-driven axis, from its response to its voltage."""
 
-import equinox as eqx
-import jax
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from identification.axis.inverse_dynamics import inverse_dynamics
+from identification.axis.errors import DISAGREEING, Errors, errors
+from identification.axis.estimate import (
+    DOES_NOT_FIT,
+    PARAMETER_NAMES,
+    Change,
+    DriveAxisEstimate,
+)
+from identification.axis.horizons import (
+    Horizons,
+    LogMeanSquares,
+    Weighted,
+    horizons,
+    mean_squares,
+)
+from identification.axis.inverse_dynamics import inverse_dynamics, opposes
 from identification.axis.log import AxisLog
-from identification.axis.motion import AxisParameters, axis_positions
-from identification.axis.pattern_search import Evaluate, Polished, polish
+from identification.axis.motion import AxisParameters
+from identification.axis.pattern_search import Polished, polish
+from identification.axis.record import AxisRecord, axis_record
+from identification.axis.told import plausible_sizes, sum_sigma, told
+from identification.sensitivity.combinations import Combination
 from scdpr_jax.numerics.levenberg_marquardt import Damping, Minimum, Stopping, minimise_together
-from scdpr_jax.numerics.long_run_variance import sandwich
-from scdpr_jax.numerics.merit import SumOfSquares
-from scdpr_jax.robot.fields import real, si
 
-PARAMETER_NAMES = ("mass", "viscous", "coulomb", "offset")
-"""The usual law's parameters, in the order of every vector and matrix here."""
-
-EXTENDED_NAMES = (*PARAMETER_NAMES, "viscous_difference")
-"""Those of the law in which viscous friction differs with the direction."""
+NOT_EXPLAINED = 0.3
+"""Open-loop error over the motion from which a law doesn't fit [1]."""
 
 _HALF_WINDOWS = (3, 10, 30, 100)  # samples: noise decides which is best, so all are starts
-_BATCH = 8  # simulations at once: as many directions as `polish` tries, so one compilation
-_AGREEING = 1.1  # of the best sum of squares: 5 % of the error, before the polish
+_AGREEING = 0.2  # of the merit a sample and horizon: 10 % of the error, before the polish
 _DAMPING = Damping(rise=2.0, growth=2.0, least=0.0, most=1e8)
 """Nielsen's: a kink is crossed by a step only a little shorter, or by none."""
-_PROMISED = 1e-10
-"""Share of the misfit that a step has to promise [1]: no parameter moves by 1e-4 of its
-white-noise standard error in a record of less than 1e6 samples."""
-_WEAK, _UNIDENTIFIABLE = 0.1, 0.5  # standard error over value, or over force for the offset
-
-
-class DriveAxisEstimate(eqx.Module):
-    """Parameters of an axis with their uncertainty, and how well they predict its log."""
-
-    parameters: AxisParameters
-    """Values [kg, N s/m, N, N]."""
-    sigma: AxisParameters
-    """Standard errors, robust to correlated residuals [kg, N s/m, N, N]."""
-    interval95: Float[Array, "parameters 2"]
-    """95 % intervals, one row for each of `names`."""
-    correlation: Float[Array, "parameters parameters"]
-    """Correlation of the estimates [1]."""
-    status: tuple[str, ...] = eqx.field(static=True)
-    """`identified`, `weak`, `unidentifiable` or `at_bound`, one for each parameter."""
-    open_loop_rmse: Float[Array, ""] = eqx.field(converter=real, metadata=si("m"))
-    """Root mean square of simulated minus measured position [m]."""
-    positions: Float[Array, " samples"] = eqx.field(converter=real, metadata=si("m"))
-    """Simulated positions, the whole record from its first sample at rest [m]."""
-    memory: Float[Array, ""] = eqx.field(converter=real, metadata=si("s"))
-    """Time over which the residuals were taken to hang together [s]."""
-    starts: int = eqx.field(static=True)
-    """Starts of the search."""
-    agreeing_starts: int = eqx.field(static=True)
-    """Starts that came within 5 % of the best error, before the polish."""
-    iterations: int = eqx.field(static=True)
-    """Steps of the search, those along the gradient and those of the polish."""
-    converged: bool = eqx.field(static=True)
-    """Whether no step in any direction was left that lowers the error noticeably."""
-    names: tuple[str, ...] = eqx.field(static=True, default=PARAMETER_NAMES)
-    """What was estimated: `PARAMETER_NAMES` or `EXTENDED_NAMES`."""
+_PROMISED = 1e-3
+"""Decrease of the merit that a step has to promise [1]: an error twice as large costs 1.4 a
+sample, and no parameter moves by more than a twentieth of its white-noise standard error."""
+_WEAK = 0.1  # standard error over value, or over what is negligible of it
+_NEGLIGIBLE = 0.05  # of what is plausible: below it a friction may as well be zero
 
 
 def estimate_drive_axis(
@@ -70,23 +50,25 @@ def estimate_drive_axis(
     delay_samples: int = 0,
     starts: Float[np.ndarray, "starts parameters"] | None = None,
     names: tuple[str, ...] = PARAMETER_NAMES,
+    open_loop_alone: bool = False,
     max_iterations: int = 12,
 ) -> DriveAxisEstimate:
-    r"""Fit $M \ddot q + F_v \dot q + F_c\,\mathrm{Sgn}\,\dot q + o \ni g u$ by output error.
+    r"""Fit $M \ddot q + F_v \dot q + F_c\,\mathrm{Sgn}\,\dot q + o \ni g u$ to a log.
 
-    The axis is simulated from the voltage over the whole record, started at the first
-    sample at rest and never put right; the parameters minimise the distance from the
-    measured positions. That asks more than a balance of forces does (in closed loop the
-    position hardly depends on the parameters), and it gives what predicts best.
+    The axis is simulated from the voltage: open loop over the whole record, started at the
+    first sample, and over shorter horizons, restarted from what was measured
+    (`identification.axis.horizons`). That asks more than a balance of forces does (in closed
+    loop the position hardly depends on the parameters), and it gives what predicts best.
 
     The search starts from inverse-dynamics fits at several smoothings, so it needs no
     tuning, and goes by exact gradients (Levenberg–Marquardt). The error has kinks where
     the axis only just stops or doesn't, and its minimum is likely to lie on one: the best
     start is polished by a search that needs no gradient.
 
-    Standard errors are robust to correlated residuals, see
-    `scdpr_jax.numerics.long_run_variance.sandwich`: what four parameters leave over is
-    mostly the axis's own departure from the model, not noise.
+    Standard errors are robust to correlated residuals and widened by what horizons and halves
+    of the record disagree by (`identification.axis.errors`): what four parameters leave over
+    is mostly the axis's own departure from the law, not noise. Whether a parameter is told at
+    all is a matter of rank (`identification.axis.told`).
 
     Args:
         log: The axis's log.
@@ -98,6 +80,7 @@ def estimate_drive_axis(
             gives.
         names: `PARAMETER_NAMES`, or `EXTENDED_NAMES` for viscous friction of its own in
             each direction.
+        open_loop_alone: Whether the open loop is the only horizon.
         max_iterations: Largest number of steps along the gradient.
 
     Returns:
@@ -105,58 +88,188 @@ def estimate_drive_axis(
 
     Raises:
         ValueError: If float64 is off, an argument is out of its range, the axis never
-            moves, no start could be found, or no parameters explain the motion.
+            moves, no start could be found, position and voltage are of opposite sense, or no
+            parameters explain the motion.
     """
     _check(log, gain=gain, delay_samples=delay_samples)
-    force = gain * delayed(log.voltage, delay_samples)[:-1]
-    loop = _OpenLoop(force, jnp.diff(log.time), log.position)
-    guesses = _starts(log, gain=gain) if starts is None else np.asarray(starts, dtype=float)
+    record = axis_record(log)
+    force = gain * np.asarray(delayed(log.voltage, delay_samples))
+    ahead = horizons(record, force, open_loop_alone=open_loop_alone)
+    guesses = _starts(record, gain=gain) if starts is None else np.asarray(starts, dtype=float)
     guesses = np.pad(guesses, [(0, 0), (0, len(names) - guesses.shape[1])])
-    lower = _lower(names)
-    guesses = np.column_stack([np.log(guesses[:, 0]), guesses[:, 1:]])
-    ends = _minima(loop.linearised, guesses, lower=lower, max_iterations=max_iterations)
+    velocities = np.tile(np.asarray(ahead.velocities), (len(guesses), 1))
+    guesses = np.column_stack([np.log(guesses[:, 0]), guesses[:, 1:], velocities])
+    lower = _lower(names, len(ahead.velocities))
+    noise = max(record.noise, 1e-9 * record.motion)
+    search = _Search(ahead, lower, noise, max_iterations)
+    ends = search.minima(guesses, np.full(len(ahead.lengths), np.inf))
     reached = np.array([end.normal.cost for end in ends])
-    polished = polish(
-        loop.linearised, loop.costs, ends[int(np.argmin(reached))].point, lower=lower
-    )
-    _check_fit(log, polished, gain=gain)
-    return _estimate(
-        log,
-        polished,
+    best = ends[int(np.argmin(reached))].point
+    # How much a start may shift is judged by what the horizons err by.
+    square = search.square(best, np.full(len(ahead.lengths), np.inf))
+    best = search.minima(best[None], square)[0].point
+    square = search.square(best, square)
+    weighted = Weighted(ahead, 1 / square, ahead.starts(best))
+    polished = polish(weighted.linearised, weighted.costs, best, lower=lower)
+    near = _AGREEING * ahead.count * len(ahead.lengths)
+    found = _Found(
         names=names,
-        force=np.asarray(force),
+        horizons=ahead,
+        square=square,
+        polished=polished,
+        force=float(np.sqrt(np.mean(force**2))),
         starts=len(guesses),
-        agreeing_starts=int(np.sum(reached <= _AGREEING * np.min(reached))),
+        agreeing_starts=int(np.sum(reached <= np.min(reached) + near)),
         iterations=max(end.iterations - 1 for end in ends) + polished.iterations,
     )
+    return found.estimate(record, gain=gain)
 
 
-def _minima(
-    evaluate: Evaluate,
-    starts: Float[np.ndarray, "starts n"],
-    *,
-    lower: Float[np.ndarray, " n"],
-    max_iterations: int,
-) -> list[Minimum[SumOfSquares]]:
-    """Where the starts lead along the gradient, all of them at once.
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Search:
+    """The search along the gradient."""
 
-    Where the residuals have kinks they come near a minimum and stall there: `polish` goes the
-    rest of the way.
-    """
+    horizons: Horizons
+    lower: Float[np.ndarray, " n"]
+    noise: float
+    max_iterations: int
 
-    def together(points: list[Float[np.ndarray, " n"]]) -> list[SumOfSquares]:
-        return list(map(SumOfSquares, *evaluate(np.stack(points))))
+    def minima(
+        self, starts: Float[np.ndarray, "starts n"], square: Float[np.ndarray, " horizons"]
+    ) -> list[Minimum[LogMeanSquares]]:
+        """Where the starts lead, all of them at once.
 
-    stopping = Stopping(evaluations=max_iterations + 1, share=_PROMISED, undamped=True)
-    ends = minimise_together(
-        together, list(starts), lower=lower, damping=_DAMPING, stopping=stopping
-    )
-    if not any(np.isfinite(end.normal.cost) for end in ends):
-        raise ValueError(
-            f"the residuals are finite at none of the {len(starts)} starts, expected a finite "
-            f"simulation at one of them at least. Starts: {starts.tolist()}."
+        Where the residuals have kinks they come near a minimum and stall there: `polish` goes
+        the rest of the way.
+        """
+
+        def together(points: list[Float[np.ndarray, " n"]]) -> list[LogMeanSquares]:
+            both = self.horizons.linearised(np.stack(points), square)
+            return [
+                LogMeanSquares.of(*each, count=self.horizons.count, noise=self.noise)
+                for each in zip(*both, strict=True)
+            ]
+
+        stopping = Stopping(
+            evaluations=self.max_iterations + 1, decrement=_PROMISED, share=0.0, undamped=True
         )
-    return ends
+        ends = minimise_together(
+            together, list(starts), lower=self.lower, damping=_DAMPING, stopping=stopping
+        )
+        if not any(np.isfinite(end.normal.cost) for end in ends):
+            raise ValueError(
+                f"the residuals are finite at none of the {len(starts)} starts, expected a "
+                f"finite simulation at one of them at least. Starts: {starts.tolist()}."
+            )
+        return ends
+
+    def square(
+        self, point: Float[np.ndarray, " n"], square: Float[np.ndarray, " horizons"]
+    ) -> Float[np.ndarray, " horizons"]:
+        """Mean squared error of each horizon at a point."""
+        residuals, _ = self.horizons.linearised(point[None], square)
+        return mean_squares(residuals[0], count=self.horizons.count, noise=self.noise)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Found:
+    """The end of a search."""
+
+    names: tuple[str, ...]
+    horizons: Horizons
+    square: Float[np.ndarray, " horizons"]
+    polished: Polished
+    force: float
+    starts: int
+    agreeing_starts: int
+    iterations: int
+
+    def estimate(self, record: AxisRecord, *, gain: float) -> DriveAxisEstimate:
+        """The estimate that the search comes to."""
+        size, theta = len(self.names), self.polished.parameters
+        values = np.array([np.exp(theta[0]), *theta[1:size]])
+        (residuals,), (jacobian,) = self.horizons.linearised(theta[None], self.square)
+        # From here on the mass itself, not its logarithm; samples between pieces don't count.
+        kept = np.asarray(self.horizons.kept)
+        jacobian = jacobian[:, kept] / np.array([values[0], *np.ones(len(theta) - 1)])
+        error = np.sqrt(np.mean(residuals[:, kept] ** 2, axis=1))
+        _check_fit(record, float(error[0]), gain=gain)
+        weight = 1 / np.maximum(error, record.noise)
+        spread = errors(
+            np.array([*values, *theta[size:]]),
+            residuals[:, kept] * weight[:, None],
+            jacobian * weight[:, None, None],
+        )
+        plausible = plausible_sizes(
+            self.names,
+            float(values[0]),
+            force=self.force,
+            speed=float(np.sqrt(np.mean(record.velocity[kept] ** 2))),
+        )
+        combined = told(
+            self.names,
+            values,
+            jacobian[0],
+            plausible=plausible,
+            noise=record.noise,
+            motion=record.motion,
+        )
+        return self._judged(record, values, spread, combined, plausible, residuals[0])
+
+    def _judged(
+        self,
+        record: AxisRecord,
+        values: Float[np.ndarray, " n"],
+        spread: Errors,
+        combined: tuple[Combination, ...],
+        plausible: Float[np.ndarray, " n"],
+        residuals: Float[np.ndarray, " samples"],
+    ) -> DriveAxisEstimate:
+        size, noise = len(values), record.noise
+        rmse = float(np.sqrt(np.sum(residuals**2) / self.horizons.count))
+        failed = rmse > max(NOT_EXPLAINED * record.motion, 20 * noise)
+        sigma = np.sqrt(np.diag(spread.covariance)[:size])
+        untold = [any(not c.is_told and c.has(k) for c in combined) for k in range(size)]
+        sigma = np.where(untold, np.inf, sigma)
+        scale = np.maximum(np.abs(values), _NEGLIGIBLE * plausible)
+        status = _status(self.names, values, sigma / scale, failed=failed)
+        sigma = np.full(size, np.inf) if failed else sigma
+        low = np.maximum(values - 1.96 * sigma, [0.0, *_lower(self.names)[1:]])
+        period = float(np.median(np.diff(record.time)))
+        return DriveAxisEstimate(
+            parameters=AxisParameters(*values),
+            sigma=AxisParameters(*sigma),
+            interval95=jnp.asarray(np.stack([low, values + 1.96 * sigma], axis=1)),
+            correlation=jnp.asarray(_correlation(spread.covariance[:size, :size])),
+            status=status,
+            open_loop_rmse=rmse,
+            positions=record.position + residuals,
+            memory=spread.bandwidth * period,
+            starts=self.starts,
+            agreeing_starts=self.agreeing_starts,
+            iterations=self.iterations,
+            converged=self.polished.converged,
+            names=self.names,
+            combinations=combined,
+            changes=_changes(self.names, spread, scale),
+            horizons=tuple(length * period for length in self.horizons.lengths[1:]),
+            sum_sigma=sum_sigma(self.names, spread.covariance, combined),
+            notes=record.notes,
+            position_unit=record.log.position_unit,
+        )
+
+
+def _changes(
+    names: tuple[str, ...], spread: Errors, scale: Float[np.ndarray, " n"]
+) -> tuple[Change, ...]:
+    """The parameters that the halves don't agree about, by more than is negligible."""
+    first, second = (half.values for half in spread.halves)
+    return tuple(
+        Change(name, float(first[k]), float(second[k]))
+        for k, name in enumerate(names)
+        if spread.changes(k) > DISAGREEING
+        and abs(float(second[k] - first[k])) > _WEAK * scale[k]
+    )
 
 
 def _check(log: AxisLog, *, gain: float, delay_samples: int) -> None:
@@ -167,9 +280,10 @@ def _check(log: AxisLog, *, gain: float, delay_samples: int) -> None:
             "accumulates rounding over the whole record. Call "
             '`jax.config.update("jax_enable_x64", True)` before reading the log.'
         )
+    unit = "N m/V" if log.is_rotary else "N/V"
     if not (np.isfinite(gain) and gain != 0):
         raise ValueError(
-            f"`gain` must be finite and not zero [N/V], got {gain}. It is the drive's force "
+            f"`gain` must be finite and not zero [{unit}], got {gain}. It is the drive's force "
             "per volt: the data alone give the parameters only in proportion to it."
         )
     if not 0 <= delay_samples < len(log.time):
@@ -185,17 +299,16 @@ def _check(log: AxisLog, *, gain: float, delay_samples: int) -> None:
         )
 
 
-def _check_fit(log: AxisLog, polished: Polished, *, gain: float) -> None:
+def _check_fit(record: AxisRecord, error: float, *, gain: float) -> None:
     """Refuse a fit that predicts no better than no motion at all."""
-    error = float(np.sqrt(np.mean(polished.residuals**2)))
-    motion = float(np.std(log.position))
-    if error >= motion:
-        raise ValueError(
-            f"no parameters explain the motion: the best open loop is off by {error:.3g} "
-            f"{log.position_unit}, expected less than the motion itself, {motion:.3g}. Check "
-            f"the gain's sign and size, got {gain}, that the log starts at rest, and that "
-            "voltage and position belong together."
-        )
+    if error < record.motion:
+        return
+    raise ValueError(
+        f"no parameters explain the motion: the best open loop is off by {error:.3g} "
+        f"{record.log.position_unit}, expected less than the motion itself, "
+        f"{record.motion:.3g}. Check the gain's size, got {gain}, and that voltage and "
+        "position belong together."
+    )
 
 
 def delayed(voltage: Float[Array, " samples"], samples: int) -> Float[Array, " samples"]:
@@ -212,13 +325,19 @@ def delayed(voltage: Float[Array, " samples"], samples: int) -> Float[Array, " s
     return jnp.concatenate([jnp.broadcast_to(voltage[0], (samples,)), voltage[:kept]])
 
 
-def _starts(log: AxisLog, *, gain: float) -> Float[np.ndarray, "starts 4"]:
+def _starts(record: AxisRecord, *, gain: float) -> Float[np.ndarray, "starts 4"]:
     """Inverse-dynamics fits, and the median one with its mass threefold and a third."""
-    fits = [inverse_dynamics(log, gain=gain, half_window=half) for half in _HALF_WINDOWS]
+    fits = [inverse_dynamics(record, gain=gain, half_window=half) for half in _HALF_WINDOWS]
     guesses = [fit for fit in fits if fit is not None]
+    if opposes(record, gain=gain):
+        raise ValueError(
+            "the axis accelerates against its voltage: the encoder counts the other way, or "
+            f"the gain's sign is wrong, got {gain}, expected {-gain:g} if so. Give the gain "
+            "with the other sign, or turn the encoder's sign round."
+        )
     if not guesses:
         raise ValueError(
-            f"no start found: with a gain of {gain} N/V no positive mass balances the "
+            f"no start found: with a gain of {gain} no positive mass balances the "
             "voltage, expected acceleration along the force. Check the gain's sign, and "
             "that the record has accelerations well above the position's resolution."
         )
@@ -228,99 +347,10 @@ def _starts(log: AxisLog, *, gain: float) -> Float[np.ndarray, "starts 4"]:
     return np.array(guesses + spread)
 
 
-def _lower(names: tuple[str, ...]) -> Float[np.ndarray, " parameters"]:
+def _lower(names: tuple[str, ...], velocities: int = 0) -> Float[np.ndarray, " n"]:
     """Lower bounds of what the search varies."""
-    return np.array([0.0 if name in ("viscous", "coulomb") else -np.inf for name in names])
-
-
-def _from_vector(theta: Float[Array, " parameters"]) -> AxisParameters:
-    """Parameters from what the search varies: the mass's logarithm and the rest as it is."""
-    return AxisParameters(jnp.exp(theta[0]), *theta[1:])
-
-
-def _filled(thetas: Float[np.ndarray, "points n"]) -> Float[Array, "batch n"]:
-    """The points with their last repeated up to the size of a batch, or a multiple of it."""
-    missing = -len(thetas) % _BATCH
-    return jnp.asarray(np.concatenate([thetas, np.repeat(thetas[-1:], missing, axis=0)]))
-
-
-class _OpenLoop(eqx.Module):
-    """A record that is simulated from its first sample on, for any number of parameters."""
-
-    force: Float[Array, " steps"]
-    steps: Float[Array, " steps"]
-    position: Float[Array, " samples"]
-
-    def residuals(self, theta: Float[Array, " n"]) -> Float[Array, " samples"]:
-        """Simulated minus measured positions [m]."""
-        axis, start = _from_vector(theta), self.position[0]
-        return axis_positions(axis, self.force, steps=self.steps, start=start) - self.position
-
-    def linearised(
-        self, thetas: Float[np.ndarray, "points n"]
-    ) -> tuple[Float[np.ndarray, "points samples"], Float[np.ndarray, "points samples n"]]:
-        """Residuals and their derivatives at some points."""
-        both = _linearised(self, _filled(thetas))
-        residuals, jacobian = (np.asarray(part)[: len(thetas)] for part in both)
-        return residuals, jacobian
-
-    def costs(self, thetas: Float[np.ndarray, "points n"]) -> Float[np.ndarray, " points"]:
-        """Half the sums of squared residuals at some points [m²]."""
-        return np.asarray(_costs(self, _filled(thetas)))[: len(thetas)]
-
-
-@jax.jit
-def _linearised(
-    loop: _OpenLoop, thetas: Float[Array, "batch n"]
-) -> tuple[Float[Array, "batch samples"], Float[Array, "batch samples n"]]:
-    def residuals(theta: Float[Array, " n"]) -> tuple[Array, Array]:
-        values = loop.residuals(theta)
-        return values, values
-
-    jacobian, values = jax.vmap(jax.jacfwd(residuals, has_aux=True))(thetas)
-    return values, jacobian
-
-
-@jax.jit
-def _costs(loop: _OpenLoop, thetas: Float[Array, "batch n"]) -> Float[Array, " batch"]:
-    return 0.5 * jnp.sum(jnp.square(jax.vmap(loop.residuals)(thetas)), axis=1)
-
-
-def _estimate(
-    log: AxisLog,
-    polished: Polished,
-    *,
-    names: tuple[str, ...],
-    force: Float[np.ndarray, " steps"],
-    starts: int,
-    agreeing_starts: int,
-    iterations: int,
-) -> DriveAxisEstimate:
-    """The estimate of a finished search."""
-    theta = polished.parameters
-    values = np.array([np.exp(theta[0]), *theta[1:]])
-    # From here on the mass itself, not its logarithm.
-    spread = sandwich(
-        polished.jacobian / np.array([values[0], *np.ones(len(values) - 1)]),
-        polished.residuals,
-    )
-    sigma = np.sqrt(np.diag(spread.covariance))
-    low = np.maximum(values - 1.96 * sigma, np.array([0.0, *_lower(names)[1:]]))
-    return DriveAxisEstimate(
-        parameters=AxisParameters(*values),
-        sigma=AxisParameters(*sigma),
-        interval95=jnp.asarray(np.stack([low, values + 1.96 * sigma], axis=1)),
-        correlation=jnp.asarray(_correlation(spread.covariance)),
-        status=_status(names, values, sigma, force=float(np.sqrt(np.mean(force**2)))),
-        open_loop_rmse=np.sqrt(np.mean(polished.residuals**2)),
-        positions=np.asarray(log.position) + polished.residuals,
-        memory=spread.bandwidth * np.median(np.diff(np.asarray(log.time))),
-        starts=starts,
-        agreeing_starts=agreeing_starts,
-        iterations=iterations,
-        converged=polished.converged,
-        names=names,
-    )
+    law = [0.0 if name in ("viscous", "coulomb") else -np.inf for name in names]
+    return np.array([*law, *[-np.inf] * velocities])
 
 
 def _correlation(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
@@ -335,26 +365,21 @@ def _correlation(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n
 def _status(
     names: tuple[str, ...],
     values: Float[np.ndarray, " n"],
-    sigma: Float[np.ndarray, " n"],
+    relative: Float[np.ndarray, " n"],
     *,
-    force: float,
+    failed: bool,
 ) -> tuple[str, ...]:
-    """How far each parameter is known.
+    """How far each parameter is known, by its standard error over its size."""
 
-    The offset is measured by the force [N] it opposes, the difference of the viscous
-    frictions by their mean.
-    """
-    scales = np.abs(values)
-    scales[3] = max(scales[3], force)
-    scales[4:] = np.maximum(scales[4:], values[1])
-
-    def status(value: float, error: float, scale: float, bounded: bool) -> str:
+    def status(value: float, error: float, bounded: bool) -> str:
+        if failed:
+            return DOES_NOT_FIT
         if bounded and value <= 0:
             return "at_bound"
-        if error > _UNIDENTIFIABLE * scale:
+        if not np.isfinite(error):
             return "unidentifiable"
-        return "weak" if error > _WEAK * scale else "identified"
+        return "weak" if error > _WEAK else "identified"
 
-    bounded = np.isfinite(_lower(names))
-    rows = zip(values, sigma, scales, bounded.tolist(), strict=True)
-    return tuple(status(float(v), float(e), float(s), b) for v, e, s, b in rows)
+    bounded = np.isfinite(_lower(names)).tolist()
+    rows = zip(values.tolist(), relative.tolist(), bounded, strict=True)
+    return tuple(status(*row) for row in rows)

@@ -4,14 +4,18 @@ import numpy as np
 import scipy.optimize
 from jaxtyping import Float
 
-from identification.axis.log import AxisLog
+from identification.axis.record import AxisRecord
 
 _CUBIC = 3  # order of the local polynomials: the lowest with an unbiased acceleration slope
 _STANDSTILL = 0.02  # of the rms velocity: below it the friction isn't Coulomb's full force
 
 
+OPPOSED = 0.5
+"""Share of the force that a negative mass explains from which motion opposes it [1]."""
+
+
 def inverse_dynamics(
-    log: AxisLog, *, gain: float, half_window: int
+    record: AxisRecord, *, gain: float, half_window: int
 ) -> Float[np.ndarray, "4"] | None:
     r"""Mass, viscous, Coulomb and offset that balance the smoothed forces best.
 
@@ -20,23 +24,81 @@ def inverse_dynamics(
 
     Velocity and acceleration are those of local cubics (Savitzky–Golay), and voltage and
     sign pass the same smoothing, so that no lag comes between the terms. Noise and the
-    loop around the axis bias the result: it is a start for the open-loop fit, no more.
+    loop around the axis bias the result: it is a start for the fit, no more.
 
     Args:
-        log: The axis's log.
+        record: The axis's record.
         gain: Force per volt [N/V].
         half_window: Samples to either side in a local cubic.
 
     Returns:
         Mass [kg], viscous [N s/m], Coulomb [N] and offset [N]; None where the window is
-        longer than the log or the balance asks for no mass.
+        longer than the pieces or the balance asks for no mass.
     """
-    time, voltage, position = (
-        np.asarray(column, dtype=float) for column in (log.time, log.voltage, log.position)
-    )
-    window = 2 * half_window + 1
-    if len(time) < 2 * window:
+    balance = _balance(record, gain=gain, half_window=half_window)
+    if balance is None:
         return None
+    matrix, force = balance
+    scale = np.linalg.norm(matrix, axis=0)
+    scale = np.where(scale > 0, scale, 1.0)
+    fit = scipy.optimize.lsq_linear(matrix / scale, force, ([0, 0, 0, -np.inf], np.inf))
+    guess = fit.x / scale
+    return guess if guess[0] > 0 else None
+
+
+def opposes(record: AxisRecord, *, gain: float) -> bool:
+    """Whether an axis accelerates against its force, as no axis does.
+
+    Args:
+        record: The axis's record.
+        gain: Force per volt [N/V].
+
+    Returns:
+        Whether a negative mass explains more of the force than none, and most of it, at
+        every smoothing that tells anything.
+    """
+    verdicts = []
+    for half_window in (3, 10, 30):
+        balance = _balance(record, gain=gain, half_window=half_window)
+        if balance is None:
+            continue
+        matrix, force = balance
+        backwards = scipy.optimize.lsq_linear(
+            matrix, force, ([-np.inf, -np.inf, -np.inf, -np.inf], [0, 0, 0, np.inf])
+        )
+        forwards = scipy.optimize.lsq_linear(matrix, force, ([0, 0, 0, -np.inf], np.inf))
+        spread = float(np.sum((force - np.mean(force)) ** 2))
+        left = (1 - OPPOSED) * spread / 2
+        verdicts.append(backwards.cost < min(left, 0.5 * forwards.cost))
+    return bool(verdicts) and all(verdicts)
+
+
+def _balance(
+    record: AxisRecord, *, gain: float, half_window: int
+) -> tuple[Float[np.ndarray, "n 4"], Float[np.ndarray, " n"]] | None:
+    """Terms of the balance at the samples that move, and the force there."""
+    window = 2 * half_window + 1
+    parts = [
+        _piece(record, piece.start, piece.end, half_window)
+        for piece in record.pieces
+        if len(piece) >= 2 * window
+    ]
+    if not parts:
+        return None
+    terms, voltage = (np.concatenate(part) for part in zip(*parts, strict=True))
+    speed = np.abs(terms[:, 1])
+    moving = speed > _STANDSTILL * np.sqrt(np.mean(speed**2))
+    if np.sum(moving) < 2 * window:
+        return None
+    return terms[moving], gain * voltage[moving]
+
+
+def _piece(
+    record: AxisRecord, start: int, end: int, half_window: int
+) -> tuple[Float[np.ndarray, "n 4"], Float[np.ndarray, " n"]]:
+    """Smoothed terms of the balance and smoothed voltage of a piece, without its ends."""
+    time, position = record.time[start:end], record.position[start:end]
+    voltage = np.asarray(record.log.voltage)[start:end]
     step = float(np.median(np.diff(time)))
     grid = np.arange(time[0], time[-1], step)
     position, voltage = np.interp(grid, time, position), np.interp(grid, time, voltage)
@@ -45,19 +107,10 @@ def inverse_dynamics(
     from scipy.signal import savgol_filter
 
     def smooth(signal: Float[np.ndarray, " n"], order: int) -> Float[np.ndarray, " n"]:
+        window = 2 * half_window + 1
         return savgol_filter(signal, window, _CUBIC, deriv=order, delta=step)
 
     velocity = smooth(position, 1)
-    moving = np.abs(velocity) > _STANDSTILL * np.sqrt(np.mean(velocity**2))
-    moving[:half_window] = moving[-half_window:] = False
-    if np.sum(moving) < 2 * window:
-        return None
     terms = [smooth(position, 2), velocity, smooth(np.sign(velocity), 0), np.ones_like(grid)]
-    matrix = np.stack(terms, axis=1)[moving]
-    scale = np.linalg.norm(matrix, axis=0)
-    scale = np.where(scale > 0, scale, 1.0)
-    fit = scipy.optimize.lsq_linear(
-        matrix / scale, gain * smooth(voltage, 0)[moving], ([0, 0, 0, -np.inf], np.inf)
-    )
-    guess = fit.x / scale
-    return guess if guess[0] > 0 else None
+    inner = slice(half_window, len(grid) - half_window)
+    return np.stack(terms, axis=1)[inner], smooth(voltage, 0)[inner]

@@ -3,8 +3,10 @@
 import pathlib
 
 import equinox as eqx
+import numpy as np
 from jaxtyping import Array, Float
 
+from identification.axis.jumps import continued
 from identification.campaign.tables.columns import LENGTH, TIME, TURN, VOLTAGE, Column, Scale
 from identification.campaign.tables.table import read_table
 from scdpr_jax.robot.fields import real, si
@@ -28,13 +30,21 @@ class AxisLog(eqx.Module):
     """Position [m], or angle [rad] of a rotary axis."""
     position_unit: str = eqx.field(default="m", static=True)
     """SI unit of the positions: "m" or "rad"."""
+    notes: tuple[str, ...] = eqx.field(default=(), static=True)
+    """What was put right as it was read, a sentence each."""
+
+    @property
+    def is_rotary(self) -> bool:
+        """Whether the axis turns."""
+        return self.position_unit == "rad"
 
 
 def read_axis_log(path: pathlib.Path) -> AxisLog:
     """Read the log of one axis.
 
     The file is CSV with a header row; a column's header is its name and its unit in
-    square brackets: `t [s],voltage [V],position [m]`. Other columns are ignored.
+    square brackets: `t [s],voltage [V],position [m]`. Other columns are ignored. A counter's
+    wraps are taken out of the position, at a turn or at 15 or 16 bits.
 
     Args:
         path: The CSV file.
@@ -56,5 +66,14 @@ def read_axis_log(path: pathlib.Path) -> AxisLog:
             f"{path}: {len(time)} samples, expected at least {_SHORTEST}. "
             "Four parameters need a record in which the axis moves: log a longer run."
         )
-    rotary = table.units["position"] in TURN
-    return AxisLog(time, voltage, position, "rad" if rotary else "m")
+    unit = table.units["position"]
+    rotary = unit in TURN
+    position, period, wraps = continued(position, rotary=rotary)
+    notes = ()
+    if wraps:
+        written = period / _COLUMNS[2].units[unit](np.ones(1))[0]
+        notes = (
+            f"The position wraps {wraps} times, at {written:.6g} {unit}: the turns are "
+            "counted.",
+        )
+    return AxisLog(time, voltage, position, "rad" if rotary else "m", notes)

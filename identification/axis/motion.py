@@ -11,7 +11,7 @@ iterate and no smoothing width, and gradients hold through the instants of stopp
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from scdpr_jax.robot.fields import real, si
 
@@ -76,6 +76,53 @@ def axis_positions(
     begun = AxisState(position=start, velocity=velocity + jnp.zeros_like(start))
     _, positions = jax.lax.scan(advance, begun, (force, steps))
     return jnp.concatenate([start[None], positions])
+
+
+class Restarts(eqx.Module):
+    """Where a simulation is put back to what was measured."""
+
+    here: Bool[Array, "*batch samples"]
+    """Whether it is put back at a sample; the first one counts as such."""
+    position: Float[Array, "*batch samples"] = eqx.field(metadata=si("m", "q"))
+    """Position that it then has [m]."""
+    velocity: Float[Array, "*batch samples"] = eqx.field(metadata=si("m/s", r"\dot q"))
+    """Velocity that it then has [m/s]."""
+
+
+def restarted_positions(
+    parameters: AxisParameters,
+    force: Float[Array, " steps"],
+    *,
+    steps: Float[Array, " steps"],
+    restarts: Restarts,
+) -> Float[Array, " steps+1"]:
+    """Positions of an axis that is simulated anew from some samples on.
+
+    Args:
+        parameters: The axis.
+        force: Force of the drive, held over each step [N].
+        steps: Durations of the steps [s].
+        restarts: Where it is put back to what was measured.
+
+    Returns:
+        Positions at the samples [m].
+    """
+
+    def advance(
+        state: AxisState, inputs: tuple[Array, Array, Array, Array, Array]
+    ) -> tuple[AxisState, Float[Array, ""]]:
+        force, duration, here, position, velocity = inputs
+        state = axis_step(parameters, state, force=force, duration=duration)
+        state = AxisState(
+            position=jnp.where(here, position, state.position),
+            velocity=jnp.where(here, velocity, state.velocity),
+        )
+        return state, state.position
+
+    begun = AxisState(restarts.position[0], restarts.velocity[0])
+    later = (restarts.here[1:], restarts.position[1:], restarts.velocity[1:])
+    _, positions = jax.lax.scan(advance, begun, (force, steps, *later))
+    return jnp.concatenate([begun.position[None], positions])
 
 
 def axis_step(

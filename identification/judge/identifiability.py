@@ -3,57 +3,34 @@ r"""What logs can tell of which quantity, before a fit and after it.
 With the residuals' Jacobian $J$ in units of the noise, $J^T J$ is Fisher's information. What
 each run's circumstances share with the quantities is taken off by the Schur complement; the
 eigenvectors of what is left are the combinations of quantities that the logs tell, and the
-small eigenvalues those that they don't.
+small eigenvalues those that they don't. What the rank leaves open is told apart from what the
+noise hides: a combination that moves less than a thousandth of the motion over all that is
+plausible of it isn't told by any sensor, since the model itself is no better than that.
 """
 
 import dataclasses
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from jaxtyping import Float
 
-from identification.fit.comparison import ENCODERS
+from identification.fit.comparison import ENCODERS, Comparison
 from identification.fit.problem import Problem
 from identification.fit.run_sums import RunSums
 from identification.fit.unknowns.unknowns import decode
-from identification.judge.uncertainty import magnitude
+from identification.judge.uncertainty import USUAL, magnitude
+from identification.sensitivity.combinations import (
+    DETERMINED,
+    SHARE,
+    Combination,
+    combinations,
+    named,
+)
 from scdpr_jax.robot.quantities import quantity
 
 SENSORS = ("encoders", "camera")
 """Groups of channels in the table of `Identifiability.moved`."""
-
-DETERMINED = 0.1
-"""Relative standard error up to which a combination counts as told [1]."""
-
-NOTABLE_PART = 0.2
-"""Part of a unit combination from which a quantity is named in it [1]."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Combination:
-    """A product of powers of quantities, and how well the logs tell it."""
-
-    names: tuple[tuple[str, str | None], ...]
-    """Name and setting of each quantity."""
-    powers: tuple[float, ...]
-    """Their powers, of unit norm [1]."""
-    sigma: float
-    """Relative standard error of the combination by the noise alone; may be infinite [1]."""
-
-    def text(self) -> str:
-        """The combination in words: which quantities rise and fall together."""
-        parts = [
-            (_named(name, setting), power)
-            for (name, setting), power in zip(self.names, self.powers, strict=True)
-            if abs(power) >= NOTABLE_PART
-        ]
-        if len(parts) == 1:
-            return f"{parts[0][0]} by itself"
-        rising = [name for name, power in parts if power > 0]
-        falling = [name for name, power in parts if power < 0]
-        if not falling or not rising:
-            return f"{_listed(rising + falling)} rising together"
-        return f"{_listed(rising)} rising while {_listed(falling)} fall"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -73,15 +50,27 @@ class Identifiability:
     """The same with all of them unknown; infinite for what the logs don't tell [1]."""
     combinations: tuple[Combination, ...]
     """From the best to the worst told."""
+    unranked: tuple[Combination, ...] = ()
+    """Those that move next to nothing over all that is plausible of them: the Jacobian's rank
+    leaves them open, however small the noise."""
 
     @property
     def rank(self) -> int:
-        """How many combinations the logs tell to better than `DETERMINED`."""
-        return sum(each.sigma < DETERMINED for each in self.combinations)
+        """How many combinations the logs tell."""
+        return sum(each.is_told for each in self.combinations)
 
     def undetermined(self) -> tuple[Combination, ...]:
-        """The combinations that the logs don't tell."""
-        return tuple(each for each in self.combinations if each.sigma >= DETERMINED)
+        """The combinations that the logs don't tell, for their noise or for their rank."""
+        noisy = [each for each in self.combinations if not each.is_told]
+        words = {each.text() for each in noisy}
+        return (*noisy, *(each for each in self.unranked if each.text() not in words))
+
+    @property
+    def open_by_rank(self) -> frozenset[tuple[str, str | None]]:
+        """Name and setting of the quantities that the rank leaves open."""
+        return frozenset(
+            name for each in self.unranked for k, name in enumerate(self.names) if each.has(k)
+        )
 
     def reason(self, name: str, setting: str | None) -> str:
         """Why a quantity is told badly, in words.
@@ -94,7 +83,7 @@ class Identifiability:
             A sentence.
         """
         index = self.names.index((name, setting))
-        title = _named(name, setting)
+        title = named(name, setting)
         moved = self.moved[:, :, index]
         if not np.any(moved > 0):
             return f"Nothing in the logs depends on the {title}."
@@ -105,9 +94,7 @@ class Identifiability:
                 f"The {title} hardly moves anything: 1 % of it moves {where} the most, by "
                 f"{moved[strongest]:.2g} standard deviations of the noise."
             )
-        shared = [
-            each for each in self.undetermined() if abs(each.powers[index]) >= NOTABLE_PART
-        ]
+        shared = [each for each in self.undetermined() if each.has(index)]
         if shared:
             return f"The logs can't tell {shared[-1].text()}."
         return (
@@ -117,7 +104,11 @@ class Identifiability:
 
 
 def identifiability(
-    problem: Problem, point: Float[np.ndarray, " n"], of_runs: Mapping[int, RunSums]
+    problem: Problem,
+    point: Float[np.ndarray, " n"],
+    of_runs: Mapping[int, RunSums],
+    *,
+    motion: float,
 ) -> Identifiability:
     """What the fitted runs of a problem can tell, if the robot is about what a point says.
 
@@ -125,6 +116,8 @@ def identifiability(
         problem: The problem.
         point: Vector of the fit; before a fit the start that the logs give.
         of_runs: What each fitted run adds there, by its number.
+        motion: Root of the sum of squares of all that the fitted runs' channels move, over
+            their noise [1].
 
     Returns:
         What moves what, and which combinations are told.
@@ -142,11 +135,12 @@ def identifiability(
             squares = np.diagonal(of_group, axis1=1, axis2=2).sum(axis=0)
             np.add.at(moved[k, group], at, squares)
     matrix += problem.otherwise(point).matrix
-    matrix = matrix * np.outer(scale, scale)
+    plausible = _scales(problem, point, plausible=True)
+    ranked, matrix = matrix * np.outer(plausible, plausible), matrix * np.outer(scale, scale)
     others = np.flatnonzero(unknowns.open_to(problem.fitted()))
     others = others[others >= len(unknowns.shared)]
     names = unknowns.opened_names
-    combinations = _combinations(_schur(matrix, opened, others), names)
+    told = combinations(_schur(matrix, opened, others), names)
     with np.errstate(divide="ignore"):
         alone = 1 / np.sqrt(np.diag(matrix)[opened])
     return Identifiability(
@@ -154,17 +148,48 @@ def identifiability(
         runs=tuple(problem.logs.runs[run].name for run in of_runs),
         moved=0.01 * np.sqrt(moved[:, :, opened]) * scale[opened],
         alone=alone,
-        together=_together(combinations, len(opened)),
-        combinations=combinations,
+        together=_together(told, len(opened)),
+        combinations=told,
+        unranked=tuple(
+            each
+            for each in combinations(_schur(ranked, opened, others), names, motion=motion)
+            if each.share < SHARE
+        ),
     )
 
 
-def _scales(problem: Problem, point: Float[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-    """What a relative change of 1 is in each unknown, where it isn't a logarithm."""
+def motion_over_noise(runs: Iterable[Comparison]) -> float:
+    """How far the fitted runs' channels move, all samples together, over their noise.
+
+    Args:
+        runs: The runs beside their simulations.
+
+    Returns:
+        Root of the sum of squares [1].
+    """
+    return math.sqrt(
+        sum(
+            channel.count * (channel.motion / channel.sigma) ** 2
+            for run in runs
+            if not run.held_out
+            for channel in run.channels
+        )
+    )
+
+
+def _scales(
+    problem: Problem, point: Float[np.ndarray, " n"], *, plausible: bool = False
+) -> Float[np.ndarray, " n"]:
+    """What a relative change of 1 is in each unknown, where it isn't a logarithm.
+
+    Of what may be zero that is its value, or what is negligible of it; all that is plausible
+    of it is the value, or its usual size.
+    """
     scale = np.ones(problem.unknowns.size)
     for index, (name, _) in enumerate(problem.unknowns.shared):
         if not quantity(name).positive:
-            scale[index] = magnitude(name, decode(name, point[index])) or 1.0
+            size = magnitude(name, decode(name, point[index])) or 1.0
+            scale[index] = max(size, USUAL.get(name, size)) if plausible else size
     return scale
 
 
@@ -179,37 +204,12 @@ def _schur(
     return matrix[np.ix_(kept, kept)] - (across * size) @ inner @ (across * size).T
 
 
-def _combinations(
-    information: Float[np.ndarray, "k k"], names: tuple[tuple[str, str | None], ...]
-) -> tuple[Combination, ...]:
-    values, vectors = np.linalg.eigh(information)
-    # What rounding leaves of an eigenvalue that is zero.
-    floor = len(values) * np.finfo(float).eps * max(float(values[-1]), 1e-300)
-    combinations = []
-    for number, vector in zip(values[::-1], vectors.T[::-1], strict=True):
-        vector = vector * np.sign(vector[np.argmax(np.abs(vector))])
-        sigma = float(1 / np.sqrt(number)) if number > floor else np.inf
-        powers = tuple(float(power) for power in vector)
-        combinations.append(Combination(names, powers, sigma))
-    return tuple(combinations)
-
-
-def _together(
-    combinations: tuple[Combination, ...], count: int
-) -> Float[np.ndarray, " quantities"]:
+def _together(told: tuple[Combination, ...], count: int) -> Float[np.ndarray, " quantities"]:
     """Standard errors of the quantities from those of their combinations."""
     variance = np.zeros(count)
-    for combination in combinations:
+    for combination in told:
         power = np.square(combination.powers)
         # An eigenvector's rounding doesn't make a quantity undetermined.
         has_part = power > 1e-12
         variance[has_part] += power[has_part] * combination.sigma**2
     return np.sqrt(variance)
-
-
-def _named(name: str, setting: str | None) -> str:
-    return name.replace("_", " ") + ("" if setting is None else f" at {setting}")
-
-
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -65,7 +65,11 @@ def unexplained(
 
 
 def judged(
-    parameters: Sequence[ParameterEstimate], *, failed: bool, contradicted: bool
+    parameters: Sequence[ParameterEstimate],
+    *,
+    failed: bool,
+    contradicted: bool,
+    open_by_rank: frozenset[tuple[str, str | None]] = frozenset(),
 ) -> tuple[ParameterEstimate, ...]:
     """The quantities as the verdict leaves them.
 
@@ -74,17 +78,20 @@ def judged(
         failed: Whether the fit has failed: then no value has an error.
         contradicted: Whether a contradiction between the sensors was accepted: what rests on
             data that can't all be right is weakly identified at best.
+        open_by_rank: Name and setting of the quantities that no smaller noise would tell.
 
     Returns:
         The quantities; fixed ones as they are.
     """
 
     def of(parameter: ParameterEstimate) -> ParameterEstimate:
-        if parameter.status == "fixed" or not (failed or contradicted):
+        by_rank = (parameter.name, parameter.setting) in open_by_rank
+        if parameter.status == "fixed" or not (failed or contradicted or by_rank):
             return parameter
-        if failed:
+        if failed or by_rank:
+            status = DOES_NOT_FIT if failed else "unidentifiable"
             return dataclasses.replace(
-                parameter, sigma=np.inf, interval95=(-np.inf, np.inf), status=DOES_NOT_FIT
+                parameter, sigma=np.inf, interval95=(-np.inf, np.inf), status=status
             )
         status = "weak" if parameter.status == "identified" else parameter.status
         return dataclasses.replace(parameter, status=status)

@@ -1,37 +1,29 @@
 """`parameters.json` of a single drive axis."""
 
-import dataclasses
 import pathlib
 from typing import Any
 
-from identification.axis.drive_axis import DriveAxisEstimate
+from identification.axis.estimate import DriveAxisEstimate
 from identification.axis.law import AxisLaws
-from identification.axis.motion import AxisParameters
 from identification.result.parameters_file import write_document
 
-AXIS_UNITS = {
-    field.name: field.metadata["unit"] for field in dataclasses.fields(AxisParameters)
-}
-"""SI units of a linear axis's parameters."""
 
-
-def write_axis_parameters(
-    path: pathlib.Path, estimate: DriveAxisEstimate, laws: AxisLaws
-) -> None:
+def write_axis_parameters(path: pathlib.Path, laws: AxisLaws) -> None:
     """Write a drive axis's estimate as `parameters.json`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
-        estimate: The estimate.
-        laws: The extended friction law beside the usual one.
+        laws: The usual friction law, and the extended one beside it.
     """
+    unit = laws.usual.position_unit
     document = {
         "format": 1,
-        **_axis(estimate),
+        **_axis(laws.usual),
         "extended": {
             "preferred_by_held_out_data": laws.extended_is_preferred,
-            "held_out_rmse_m": laws.extended_ahead,
-            "held_out_rmse_of_the_usual_law_m": laws.usual_ahead,
+            f"held_out_rmse_{unit}": laws.extended_ahead,
+            f"held_out_rmse_of_the_usual_law_{unit}": laws.usual_ahead,
+            f"held_out_rmse_of_the_open_loop_alone_{unit}": laws.open_loop_ahead,
             **_axis(laws.extended),
         },
     }
@@ -45,7 +37,7 @@ def _axis(estimate: DriveAxisEstimate) -> dict[str, Any]:
                 "name": name,
                 "setting": None,
                 "value": float(getattr(estimate.parameters, name)),
-                "unit": AXIS_UNITS[name],
+                "unit": estimate.units[name],
                 "sigma": float(getattr(estimate.sigma, name)),
                 "interval95": estimate.interval95[row].tolist(),
                 "status": estimate.status[row],
@@ -56,12 +48,20 @@ def _axis(estimate: DriveAxisEstimate) -> dict[str, Any]:
             "names": estimate.names,
             "matrix": estimate.correlation.tolist(),
         },
-        "open_loop_rmse_m": float(estimate.open_loop_rmse),
+        f"open_loop_rmse_{estimate.position_unit}": float(estimate.open_loop_rmse),
+        "fits": estimate.fits,
+        "not_told": [each.text() for each in estimate.untold],
+        "halves_disagree": [
+            {"name": change.name, "first": change.first, "second": change.second}
+            for change in estimate.changes
+        ],
+        "notes": estimate.notes,
         "fit": {
             "converged": estimate.converged,
             "iterations": estimate.iterations,
             "starts": estimate.starts,
             "agreeing_starts": estimate.agreeing_starts,
             "residuals_hang_together_for_s": float(estimate.memory),
+            "horizons_beside_the_open_loop_s": estimate.horizons,
         },
     }

@@ -23,7 +23,7 @@ from identification.fit.run_sums import RunSums
 from identification.fit.starts import Valley, starts
 from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import FOLLOWS, encode
-from identification.judge.identifiability import identifiability
+from identification.judge.identifiability import identifiability, motion_over_noise
 from identification.judge.influence import influence, run_normal
 from identification.judge.verdict import judged, unexplained
 from identification.result.estimate import Estimate, Fit
@@ -129,10 +129,14 @@ def _estimate(
     runs, accepted = comparisons(problem, point), problem.logs.accepted
     failing = unexplained(runs, contradicted=bool(accepted))
     by_errors = fitted_robot(problem, minimum, sums)
+    telling = identifiability(problem, minimum.point, sums, motion=motion_over_noise(runs))
     fitted = dataclasses.replace(
         by_errors,
         parameters=judged(
-            by_errors.parameters, failed=bool(failing), contradicted=bool(accepted)
+            by_errors.parameters,
+            failed=bool(failing),
+            contradicted=bool(accepted),
+            open_by_rank=telling.open_by_rank,
         ),
         residuals=tuple(
             Residual(channel.name, channel.rms, channel.sigma, channel.is_noise)
@@ -147,7 +151,7 @@ def _estimate(
         circumstances=_circumstances(problem, point),
         comparisons=runs,
         fit=fit,
-        identifiability=identifiability(problem, minimum.point, sums),
+        identifiability=telling,
         influence=influence(
             run_normal(problem, minimum.point, sums),
             by_errors.estimated,

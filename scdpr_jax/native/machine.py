@@ -7,6 +7,7 @@ import platform
 import sys
 import threading
 from dataclasses import replace
+from typing import NamedTuple
 
 import jax
 

@@ -26,8 +26,8 @@ class Sandwich:
 
 
 def sandwich(
-    jacobian: Float[np.ndarray, "samples parameters"],
-    residuals: Float[np.ndarray, " samples"],
+    jacobian: Float[np.ndarray, "*kinds samples parameters"],
+    residuals: Float[np.ndarray, "*kinds samples"],
 ) -> Sandwich:
     r"""Newey–West covariance with Andrews' bandwidth and fixed-$b$ critical value.
 
@@ -39,11 +39,13 @@ def sandwich(
     the usual $\sigma^2 (J^T J)^{-1}$ then promises far too much. The bracket is a sum over
     all windows of length $L$ of the squared sum of scores, so it is never negative. A
     bandwidth that is a fair share $b = L/n$ of the record makes the covariance itself
-    uncertain, which the wider critical value allows for.
+    uncertain, which the wider critical value allows for. Several kinds of residuals of the
+    same samples, as of predictions over several horizons, hang together at each instant: their
+    scores are added before anything is squared.
 
     Args:
         jacobian: Derivatives of the residuals.
-        residuals: Residuals at the optimum.
+        residuals: Residuals at the optimum; of several kinds where there are more axes.
 
     Returns:
         The covariance, with what it rests on.
@@ -56,18 +58,19 @@ def sandwich(
         N. Kiefer, T. Vogelsang, "A new asymptotic theory for heteroskedasticity-
         autocorrelation robust tests", Econometric Theory 21(6), 2005: the critical value.
     """
-    samples, parameters = jacobian.shape
-    scale = np.linalg.norm(jacobian, axis=0)
+    samples, parameters = jacobian.shape[-2:]
+    stacked, flat = jacobian.reshape(-1, parameters), residuals.reshape(-1)
+    scale = np.linalg.norm(stacked, axis=0)
     scale = np.where(scale > 0, scale, 1.0)
-    scores = jacobian / scale * residuals[:, None]
+    scores = (stacked / scale * flat[:, None]).reshape(-1, samples, parameters).sum(axis=0)
     length = _bandwidth(scores)
 
     padded = np.pad(scores, ((length, length - 1), (0, 0)))
     sums = np.cumsum(padded, axis=0)
     windows = sums[length:] - sums[:-length]
-    bread, undetermined = _inverse(jacobian / scale)
+    bread, undetermined = _inverse(stacked / scale)
     root = bread @ windows.T
-    noise = float(residuals @ residuals) / samples
+    noise = float(flat @ flat) / samples
     middle = root @ root.T / length + noise * undetermined
     covariance = samples / (samples - parameters) * middle
     share = length / samples

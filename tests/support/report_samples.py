@@ -11,13 +11,14 @@ from identification.data.circumstances import Circumstances
 from identification.fit.comparison import Channel, Comparison
 from identification.fit.starts import Valley
 from identification.fit.unknowns.models import Model
-from identification.judge.identifiability import Combination, Identifiability
+from identification.judge.identifiability import Identifiability
 from identification.judge.influence import Influence
 from identification.judge.uncertainty import ParameterEstimate
 from identification.knocks.frequency_map import FrequencyMap
 from identification.knocks.ring_down import ring_down
 from identification.result.estimate import Estimate, Fit
 from identification.result.fitted_robot import FittedRobot
+from identification.sensitivity.combinations import Combination
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.legs.leg import Leg

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.page import style
-from identification.axis.drive_axis import DriveAxisEstimate
+from identification.axis.estimate import DriveAxisEstimate
 from identification.axis.log import AxisLog
 
 

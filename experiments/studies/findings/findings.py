@@ -90,6 +90,7 @@ def findings(
         words_sure(
             campaign,
             estimate,
+            frequencies,
             beyond=beyond,
             counted=counted,
             measured=measured,

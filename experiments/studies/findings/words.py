@@ -4,7 +4,6 @@ import dataclasses
 
 from experiments.page.number_text import plain
 from experiments.studies.findings.knocks import frequency_sentence
-from experiments.studies.findings.measured import MeasuredFit, contradiction_sentence
 from experiments.studies.findings.models import model_sentences
 from experiments.studies.findings.parameters import (
     FrictionForce,
@@ -12,7 +11,12 @@ from experiments.studies.findings.parameters import (
     friction_sentence,
     parameter_sentence,
 )
-from experiments.studies.findings.plausibility import implausible
+from experiments.studies.findings.plausibility import (
+    contradiction_sentence,
+    implausible,
+    ringing_doubts,
+    settings_alike,
+)
 from experiments.studies.findings.predictions import Prediction, prediction_sentence
 from experiments.studies.findings.residuals import (
     Excess,
@@ -22,6 +26,7 @@ from experiments.studies.findings.residuals import (
 )
 from experiments.studies.findings.verdict import doubts
 from identification.campaign.types import Campaign
+from identification.fit.unknowns.measured import MeasuredFit
 from identification.knocks.frequency_map import FrequencyMap
 from identification.result.estimate import Estimate
 
@@ -63,6 +68,7 @@ def words_found(
 def words_sure(
     campaign: Campaign | None,
     estimate: Estimate,
+    frequencies: FrequencyMap | None,
     *,
     beyond: tuple[Excess, ...],
     counted: Whiteness,
@@ -74,6 +80,7 @@ def words_sure(
     Args:
         campaign: The campaign, None if nothing is to be said of its clocks and faults.
         estimate: The estimate.
+        frequencies: Natural frequencies, None without.
         beyond: Channels with more than noise.
         counted: How white the residuals are.
         measured: What was measured otherwise.
@@ -91,6 +98,8 @@ def words_sure(
         *map(prediction_sentence, held_out),
         *_ending(estimate),
         *doubts(estimate),
+        *settings_alike(estimate),
+        *(() if frequencies is None else ringing_doubts(frequencies, estimate.robot)),
     )
     if campaign is None:
         return sentences

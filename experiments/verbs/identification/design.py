@@ -7,7 +7,7 @@ import tyro
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
-from experiments.verbs.exit_status import DONE
+from experiments.verbs.failed_fit import ending
 
 
 def design(
@@ -69,7 +69,7 @@ def design(
         candidates = propose(
             rig, excitations, aim.criterion, key=jax.random.key(seed), progress=progress
         )
-    best = candidates[0]
+    best, status = candidates[0], ending(parameters, fits=fitted.fits)
     print_table(OUT, next_run.candidate_table(rig, aim, candidates))
     print_lines(
         OUT,
@@ -85,4 +85,4 @@ def design(
         next_run_figure(rig, aim, candidates).savefig(scratch, format="png", dpi=150)
     wrote(out, drawn)
     suggest("scdpr identify CAMPAIGN --out DIR, with the new run in its folder")
-    return DONE
+    return status

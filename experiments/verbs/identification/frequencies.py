@@ -2,6 +2,7 @@
 
 import pathlib
 
+from experiments.runtime import set_up
 from experiments.verbs.console import OUT, Folder, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE
 from experiments.verbs.places import require_outside
@@ -32,13 +33,16 @@ def frequencies(
     )
     if read is None:
         return BAD_INPUT
+    set_up()
     from experiments.reports import summary
+    from experiments.studies.findings.plausibility import ringing_doubts
+    from identification.fit.unknowns.options import FitOptions
     from identification.knocks.frequency_map import frequency_map, write_frequencies
 
     knocks = frequency_map(read)
     write_frequencies(knocks, out / "frequencies.csv")
     summary.show_frequencies(OUT, knocks)
-    for note in read.accepted:
+    for note in (*read.accepted, *ringing_doubts(knocks, FitOptions().prior(read))):
         OUT.print(f"note: {note}", markup=False)
     wrote(out / "frequencies.csv")
     suggest(f"scdpr tune --parameters P --frequencies {out / 'frequencies.csv'} --out {out}")

@@ -12,25 +12,33 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
 
     Args:
         log: CSV file with the columns t, voltage and position, units in the header.
-        gain: Force of the drive per volt, with its unit: "35.1507 N/V".
+        gain: Force of the drive per volt, with its unit: "35.1507 N/V"; of a rotary axis,
+            whose positions are angles, its torque: "0.05 N m/V".
         out: Folder for parameters.json and report.html.
         delay_samples: Samples by which the logged voltage acts late.
     """
     set_up()
     from experiments.reports import report, summary
-    from identification.axis.drive_axis import estimate_drive_axis
-    from identification.axis.law import compare_axis_laws
+    from identification.axis.law import axis_laws
     from identification.axis.log import read_axis_log
-    from identification.campaign.quantities import parse_quantity
+    from identification.campaign.quantities import QuantityError, parse_quantity
     from identification.result.axis_file import write_axis_parameters
 
-    force = parse_quantity(gain, unit="N/V", name="--gain")
     read = read_axis_log(log)
-    with ERRORS.status("open-loop fits from several starts, some ten seconds"):
-        axis = estimate_drive_axis(read, gain=force, delay_samples=delay_samples)
-        laws = compare_axis_laws(read, axis, gain=force, delay_samples=delay_samples)
-    write_axis_parameters(out / "parameters.json", axis, laws)
-    report.write_drive_report(out / "report.html", log=read, estimate=axis, laws=laws)
-    summary.show_axis(OUT, axis, laws, position_unit=read.position_unit)
+    unit = "N m/V" if read.is_rotary else "N/V"
+    try:
+        force = parse_quantity(gain, unit=unit, name="--gain")
+    except QuantityError as error:
+        kind = (
+            "an angle: the gain is a torque per volt"
+            if read.is_rotary
+            else "a length: the gain is a force per volt"
+        )
+        raise ValueError(f"{error} The position of {log} is {kind} [{unit}].") from None
+    with ERRORS.status("fits from several starts, half a minute for a long log"):
+        laws = axis_laws(read, gain=force, delay_samples=delay_samples)
+    write_axis_parameters(out / "parameters.json", laws)
+    report.write_drive_report(out / "report.html", log=read, laws=laws)
+    summary.show_axis(OUT, laws)
     wrote(out / "parameters.json", out / "report.html")
-    return DONE if axis.converged else FELL_SHORT
+    return DONE if laws.usual.converged and laws.preferred.fits else FELL_SHORT

@@ -4,7 +4,7 @@ import pathlib
 
 from experiments.runtime import set_up
 from experiments.verbs.console import ERRORS, OUT, wrote
-from experiments.verbs.exit_status import DONE
+from experiments.verbs.failed_fit import ending
 
 
 def simulate(
@@ -41,6 +41,8 @@ def simulate(
     with ERRORS.status("simulating"):
         run = simulated_run.simulate(fitted.of_setting(label), reference, tuned, pretension)
     write_whole(out / "simulation.csv", simulated_run.table(run))
+    sound = fitted.fits and (tuned is None or not tuned.caution)
+    status = ending(parameters if tuning is None or not fitted.fits else tuning, fits=sound)
     error, swing = run.measures.largest_error, run.measures.residual_vibration
     OUT.print(
         f"Largest error, Eq. (26): {1e3 * error:.1f} mm. Vibration after the arrival: "
@@ -48,4 +50,4 @@ def simulate(
         f"{run.measures.largest_voltage:.2f} V."
     )
     wrote(out / "simulation.csv")
-    return DONE
+    return status

@@ -8,6 +8,7 @@ import tyro
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.failed_fit import ending
 
 if TYPE_CHECKING:
     from scdpr_jax.robot.parameters import Robot
@@ -46,30 +47,32 @@ def sweep(
 
     chosen = next(m for m in MEASURES if m.name == measure)
     axes = parse_axes(over, chosen.known)
-    robot = _robot(parameters, setting)
+    robot, fits = _robot(parameters, setting)
     try:
         with shown_progress(ERRORS) as progress:
             dataset = run_sweep(chosen, axes, robot, out, progress=progress)
     except KeyboardInterrupt:
         ERRORS.print("scdpr sweep: stopped. The same call goes on from here.")
         return FELL_SHORT
+    status = DONE if parameters is None else ending(parameters, fits=fits)
     with dataset:
         show(OUT, dataset, axes=len(axes))
     wrote(out)
     suggest(f'python -c "import xarray; print(xarray.open_dataset({str(out)!r}))"')
-    return DONE
+    return status
 
 
-def _robot(parameters: pathlib.Path | None, setting: str | None) -> "Robot":
+def _robot(parameters: pathlib.Path | None, setting: str | None) -> "tuple[Robot, bool]":
+    """The robot of the sweep, and whether the fit that it comes from hasn't failed."""
     from identification.result.parameters_file import read_parameters
     from scdpr_jax.robot.prototype import consistent
 
     if parameters is not None:
         fitted = read_parameters(parameters)
-        return fitted.of_setting(setting) if setting else fitted.robot
+        return fitted.of_setting(setting) if setting else fitted.robot, fitted.fits
     if setting is not None:
         raise ValueError(
             f"`--setting` belongs to `--parameters`, got {setting!r} alone. The prototype's "
             'pretension is an axis: --over "effective_pretension=85 N".'
         )
-    return consistent()
+    return consistent(), True

@@ -4,7 +4,8 @@ import pathlib
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
-from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.exit_status import FELL_SHORT
+from experiments.verbs.failed_fit import ending
 
 
 def codesign(
@@ -71,7 +72,8 @@ def codesign(
         co_design, margins, name=str(parameters), caution=caution
     )
     write_whole(report, page)
+    status = ending(parameters, fits=fitted.fits)
     codesign_report.show(OUT, co_design, caution=caution)
     wrote(result, report)
     suggest(f"open {report}")
-    return DONE if co_design.holds else FELL_SHORT
+    return status if co_design.holds else FELL_SHORT

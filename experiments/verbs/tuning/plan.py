@@ -7,7 +7,7 @@ import tyro
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
-from experiments.verbs.exit_status import DONE
+from experiments.verbs.failed_fit import ending
 
 
 def plan(
@@ -91,7 +91,8 @@ def plan(
             caution=tuned.caution,
         ),
     )
+    status = ending(tuning, fits=not tuned.caution)
     plan_report.show(OUT, planned, compared, voltage_limit=limit, caution=tuned.caution)
     wrote(out, beside)
     suggest(f"open {beside}")
-    return DONE
+    return status

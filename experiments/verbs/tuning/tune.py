@@ -4,7 +4,7 @@ import pathlib
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, plan_call, suggest, wrote
-from experiments.verbs.exit_status import DONE
+from experiments.verbs.failed_fit import ending
 
 
 def tune(
@@ -34,10 +34,11 @@ def tune(
     with shown_progress(ERRORS) as progress:
         tuned = design(fitted, measured, force=force, progress=progress)
     written = write_tuned(out, tuned)
+    status = ending(parameters, fits=fitted.fits)
     summary.show_tuning(OUT, tuned)
     wrote(*written.paths)
     suggest(
         f"scdpr simulate --parameters {parameters} --tuning {written.tuning} --out DIR",
         plan_call(written.tuning),
     )
-    return DONE
+    return status

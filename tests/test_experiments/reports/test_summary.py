@@ -10,7 +10,7 @@ from rich.console import Console
 from experiments.reports import summary
 from experiments.reports.drive_report import write_drive_report
 from experiments.studies.findings.findings import findings
-from identification.axis.drive_axis import EXTENDED_NAMES, DriveAxisEstimate
+from identification.axis.estimate import DOES_NOT_FIT, EXTENDED_NAMES, Change, DriveAxisEstimate
 from identification.axis.law import AxisLaws
 from identification.axis.log import AxisLog
 from identification.axis.motion import AxisParameters
@@ -52,7 +52,7 @@ def laws(found, *, ahead):
         status=(*found.status, "identified"),
         names=EXTENDED_NAMES,
     )
-    return AxisLaws(usual_ahead=7e-3, extended_ahead=ahead, extended=extended)
+    return AxisLaws(found, extended, 7e-3, ahead, open_loop_ahead=8e-3)
 
 
 def test_truth_stands_beside_the_estimate():
@@ -85,7 +85,7 @@ def test_frequencies_are_printed_with_their_errors():
 
 
 def test_an_axis_is_printed_with_its_units():
-    text = printed(summary.show_axis, axis()[1], laws(axis()[1], ahead=6.9e-3))
+    text = printed(summary.show_axis, laws(axis()[1], ahead=6.9e-3))
     line = next(line for line in text.splitlines() if line.startswith("viscous"))
     assert "203.5" in line
     assert "N s/m" in line
@@ -94,9 +94,7 @@ def test_an_axis_is_printed_with_its_units():
 
 def test_the_report_of_an_axis_needs_nothing_else_and_has_its_numbers(tmp_path):
     log, found = axis()
-    write_drive_report(
-        tmp_path / "report.html", log=log, estimate=found, laws=laws(found, ahead=5.9e-3)
-    )
+    write_drive_report(tmp_path / "report.html", log=log, laws=laws(found, ahead=5.9e-3))
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "http" not in page
     assert "1.20 mm rms" in page
@@ -109,9 +107,23 @@ def test_an_extended_law_is_offered_where_held_out_data_prefer_it_alone():
 
     def told(ahead):
         # A narrow console breaks lines anywhere.
-        return " ".join(printed(summary.show_axis, found, laws(found, ahead=ahead)).split())
+        return " ".join(printed(summary.show_axis, laws(found, ahead=ahead)).split())
 
     enough, better = told(6.9e-3), told(5.9e-3)
     assert "the usual law is enough" in enough
     assert "what was held out prefers the extended law" in better
     assert "viscous friction forwards minus backwards −83.0 N s/m" in better
+
+
+def test_a_law_that_does_not_fit_is_told_above_the_table():
+    _, found = axis()
+    failed = dataclasses.replace(found, status=(DOES_NOT_FIT,) * 4)
+    text = printed(summary.show_axis, laws(failed, ahead=6.9e-3))
+    assert text.startswith("THE LAW DOES NOT FIT")
+
+
+def test_halves_that_disagree_are_told_above_the_table():
+    _, found = axis()
+    changed = dataclasses.replace(found, changes=(Change("coulomb", 22.0, 44.0),))
+    text = " ".join(printed(summary.show_axis, laws(changed, ahead=6.9e-3)).split())
+    assert text.startswith("ONE LAW DOESN'T FIT THE WHOLE RECORD: Coulomb friction 22")

@@ -55,3 +55,10 @@ def test_nothing_is_made_from_it_without_force(verb, identified, tmp_path, capfd
     assert main([verb, *call, "--out", str(out)]) == 2
     assert "--force" in capfd.readouterr().err
     assert not out.exists()
+
+
+def test_what_is_simulated_from_it_says_so_and_falls_short(identified, tmp_path, capfd):
+    parameters, out = str(identified[1] / "parameters.json"), tmp_path / "out"
+    call = ["simulate", "--parameters", parameters, "--setting", "350 N", "--out", str(out)]
+    assert main(call) == 1
+    assert capfd.readouterr().out.startswith("THE MODEL DOES NOT FIT")

@@ -1,0 +1,1 @@
+"""What measurements can tell of which quantities, by rank and scaled sensitivities."""
