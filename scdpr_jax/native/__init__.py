@@ -1,7 +1,7 @@
 """Runs of many steps as machine code, printed from the step's own equations.
 
 `run` ← `primitive` (what JAX sees) ← `machine` (made, kept in `store`, made known to XLA) ←
-`handler`, `kernel` and `interface` (what XLA calls) ← `llvm_ir`, `c99` (printers) ← `scalar`
+`handler`, `kernel` and `interface` (what XLA calls) ← `printers` (LLVM IR, C99) ← `scalar`
 (the step as a program of single numbers) ← `traced` (its jaxpr). `kept_jit` compiles functions
 with such runs in them, and keeps what was traced.
 """

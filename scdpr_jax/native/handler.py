@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 
 from scdpr_jax.native.interface import Layout, header, layout, version
 from scdpr_jax.native.kernel import TASK, WORDS, Array, Kernel, load
-from scdpr_jax.native.llvm_ir import loop
+from scdpr_jax.native.printers.llvm_ir import loop
 
 
 def handler_ir(kernel: Kernel) -> str:

@@ -10,7 +10,7 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from scdpr_jax.native.llvm_ir import llvm_ir, loop
+from scdpr_jax.native.printers.llvm_ir import llvm_ir, loop
 from scdpr_jax.native.scalar.program import Program
 
 MOST_TANGENTS = 20

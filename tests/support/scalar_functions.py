@@ -12,9 +12,9 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
-from scdpr_jax.native.c99 import c99
-from scdpr_jax.native.llvm_ir import llvm_ir
 from scdpr_jax.native.machine import _processor
+from scdpr_jax.native.printers.c99 import c99
+from scdpr_jax.native.printers.llvm_ir import llvm_ir
 from scdpr_jax.native.scalar.reading import read
 from scdpr_jax.native.traced import trace
 

@@ -35,12 +35,7 @@ def plan(
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
         force: Plan with a tuning whose fit has failed, too; the plan is marked.
     """
-    beside = out.with_suffix(".html")
-    if beside == out:
-        raise ValueError(
-            f"`--out`: got {out}, expected a table, such as {out.with_suffix('.csv')}: the "
-            "page that shows it is written beside it."
-        )
+    beside = _page_beside(out)
     set_up()
     from experiments.reports import plan_report
     from experiments.studies.planned_leg import compare
@@ -96,3 +91,14 @@ def plan(
     wrote(out, beside)
     suggest(f"open {beside}")
     return status
+
+
+def _page_beside(out: pathlib.Path) -> pathlib.Path:
+    """The page of a table."""
+    page = out.with_suffix(".html")
+    if page == out:
+        raise ValueError(
+            f"`--out`: got {out}, expected a table, such as {out.with_suffix('.csv')}: the "
+            "page that shows it is written beside it."
+        )
+    return page
