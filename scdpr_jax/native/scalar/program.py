@@ -4,7 +4,7 @@ A program reads cells of named arrays, does thousands of operations on single nu
 branches and loops, and writes cells of named arrays. It says nothing of lanes: each robot is a
 program's whole world, but for the operation `any`, which asks all robots that are computed
 together. `reading` makes one of a jaxpr, `differentiation` adds derivatives to it and
-`tangent_loops` puts them into loops; `native.printers.llvm_ir` and `native.printers.c99` print it.
+`tangent_loops` puts them into loops; `native.printers` print it.
 
 Numbers are real or boolean. Integers, which only count here, are reals.
 """
