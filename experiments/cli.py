@@ -3,7 +3,7 @@
 import gc
 import sys
 
-from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
+from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT, STOPPED
 
 VERBS: dict[str, dict[str, str]] = {
     "main": {
@@ -40,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
         arguments: What follows the command's name; default: the process's arguments.
 
     Returns:
-        0 done, 1 fell short, 2 bad input.
+        0 done, 1 fell short, 2 bad input, 130 stopped.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     if not arguments or arguments[0] in ("-h", "--help"):
@@ -88,6 +88,9 @@ def main(arguments: list[str] | None = None) -> int:
     except FloatingPointError as error:
         print(f"scdpr {verb}: {error}", file=sys.stderr)
         return FELL_SHORT
+    except KeyboardInterrupt:
+        print(f"scdpr {verb}: stopped. No file is half written.", file=sys.stderr)
+        return STOPPED
 
 
 def _help() -> str:
@@ -103,7 +106,7 @@ def _help() -> str:
             *rows,
             "",
             "`scdpr VERB --help` tells a verb's arguments.",
-            "Exit status: 0 done, 1 fell short, 2 bad input.",
+            "Exit status: 0 done, 1 fell short, 2 bad input, 130 stopped.",
         ]
     )
 

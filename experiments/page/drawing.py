@@ -9,6 +9,7 @@ import contextlib
 import gc
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator
 
 from markupsafe import Markup
@@ -66,16 +67,22 @@ def drawing_aside(processes: int = os.cpu_count() or 1) -> Iterator[Draw]:
         What draws as `draw` does, and doesn't wait.
     """
     context = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(processes, mp_context=context) as pool:
+    pool = concurrent.futures.ProcessPoolExecutor(
+        processes, mp_context=context, initializer=_begin
+    )
+
+    def aside(figure: Figure, name: str, description: str) -> Drawn:
+        return Drawn(pool.submit(inline_svg, figure, name=name, description=description))
+
+    try:
         for _ in range(processes):
-            pool.submit(_ready)
-
-        def aside(figure: Figure, name: str, description: str) -> Drawn:
-            return Drawn(pool.submit(inline_svg, figure, name=name, description=description))
-
+            pool.submit(int)  # Nothing, but a process begins for it.
         yield aside
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
-def _ready() -> None:
-    """A process that is asked for it has begun, and looks for no cycles of objects."""
+def _begin() -> None:
+    """A process that leaves it to the one that began it to be interrupted."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.set_threshold(100_000, 20, 20)

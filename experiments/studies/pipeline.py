@@ -1,7 +1,8 @@
 """From a campaign to its parameters, frequencies, gains and shapers."""
 
 import concurrent.futures
-from collections.abc import Callable, Sequence
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -80,7 +81,7 @@ def calibrate(
         FloatingPointError: If a run's simulation isn't finite.
     """
     names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
-    with concurrent.futures.ThreadPoolExecutor(2) as aside:
+    with _aside() as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.
         compiled = [
             aside.submit(prepare) for prepare in preparations(consistent(), leg_times=leg_times)
@@ -116,6 +117,16 @@ def calibrate(
         tuning=tuned,
         notes=(*_notes(campaign, found), *unresolved),
     )
+
+
+@contextlib.contextmanager
+def _aside() -> Iterator[concurrent.futures.Executor]:
+    """Two threads; what waits for them is dropped if something goes wrong."""
+    pool = concurrent.futures.ThreadPoolExecutor(2)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def _frequencies(campaign: Campaign) -> tuple[FrequencyMap | None, list[str]]:
