@@ -95,7 +95,9 @@ def _words(variation: Variation) -> str:
 
 def _legs(robots: Ensemble, commands: Commands) -> tuple[Leg, ...]:
     arrays = [np.asarray(array) for array in _run(robots, commands)]
-    return tuple(leg_of([array[row] for array in arrays]) for row in range(len(robots)))
+    return tuple(
+        leg_of([np.asarray(array[row]) for array in arrays]) for row in range(len(robots))
+    )
 
 
 @kept_jit

@@ -62,7 +62,7 @@ class Leg(eqx.Module):
         )
 
 
-def leg_of(arrays: Sequence[Array]) -> Leg:
+def leg_of(arrays: Sequence[Array | np.ndarray]) -> Leg:
     """A leg of its arrays, in the order of `jax.tree.leaves`.
 
     That is what a program that is kept (`scdpr_jax.native.kept_jit`) returns of it.

@@ -160,7 +160,7 @@ def _treated(closed: ClosedJaxpr) -> ClosedJaxpr:
     return jax.make_jaxpr(computed_once(jaxpr_as_fun(closed), *like))(*like)
 
 
-def _by_jax(equation: JaxprEqn, given: Sequence[Array]) -> Sequence[Array]:
+def _by_jax(equation: JaxprEqn, given: Sequence[Any]) -> Sequence[Array]:
     """What an equation with functions in it makes."""
     pairs = zip(equation.invars, given, strict=True)
     inputs = {own: value for own, value in pairs if not isinstance(own, Literal)}
