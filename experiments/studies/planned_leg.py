@@ -94,9 +94,9 @@ def _words(variation: Variation) -> str:
 
 
 def _legs(robots: Ensemble, commands: Commands) -> tuple[Leg, ...]:
-    arrays = [np.asarray(array) for array in _run(robots, commands)]
+    legs = jax.tree.map(np.asarray, leg_of(_run(robots, commands)))
     return tuple(
-        leg_of([np.asarray(array[row]) for array in arrays]) for row in range(len(robots))
+        jax.tree.map(lambda leaf, row=row: leaf[row], legs) for row in range(len(robots))
     )
 
 
