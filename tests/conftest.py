@@ -7,7 +7,16 @@ install_import_hook(
     ["scdpr_jax", "identification", "tuning", "experiments"], "beartype.beartype"
 )
 
+import os  # noqa: E402
+import pathlib  # noqa: E402
+
 import hypothesis  # noqa: E402
+
+# What one process compiles the others needn't, nor the next run.
+_CACHE = pathlib.Path(__file__).resolve().parents[1] / ".pytest_cache" / "jax"
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(_CACHE))
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.3")
+
 import jax  # noqa: E402
 
 jax.config.update("jax_enable_x64", True)
