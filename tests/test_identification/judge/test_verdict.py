@@ -85,3 +85,12 @@ def test_what_rests_on_an_accepted_contradiction_is_weak_at_best():
 def test_a_good_fit_stays_as_it_is():
     parameters = report_samples.estimated_parameters()
     assert judged(parameters, failed=False, contradicted=False) == parameters
+
+
+def test_what_the_rank_leaves_open_has_no_interval_however_small_its_error():
+    parameters = report_samples.estimated_parameters()
+    open_ = frozenset({(parameters[0].name, parameters[0].setting)})
+    after = judged(parameters, failed=False, contradicted=False, open_by_rank=open_)
+    assert after[0].status == "unidentifiable"
+    assert np.isinf(after[0].sigma)
+    assert after[1:] == parameters[1:]
