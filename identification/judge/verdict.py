@@ -5,7 +5,8 @@ a model. Where a camera's residuals are tens of its noise, the model is another 
 value is off by what the model is off, which nothing in the fit tells: then no error is better
 than one of a ten-thousandth. Encoders resolve a fiftieth of what a camera sees, and
 every real rig departs from its model by more than their counts: what an encoder leaves has to
-be a share of its motion, too.
+be a share of its motion, too, and tens of what a camera would see at the pulley's rim. A knock
+turns a drive by a few counts, and how it gives way within its friction no model knows.
 
 Where a contradiction between the sensors was accepted, more than noise in any channel is its
 doing until the contrary is shown.
@@ -20,9 +21,9 @@ import numpy as np
 from identification.fit.comparison import ENCODERS, Channel, Comparison
 from identification.judge.uncertainty import DOES_NOT_FIT, ParameterEstimate
 
-TENS = 20.0
+TENS = 30.0
 """Residual over the noise from which a channel isn't explained [1]: rigs that bend, rub and
-slacken otherwise than the model leave up to a dozen times the camera's."""
+slacken otherwise than the model leave up to eighteen times the camera's."""
 
 SHARE = 0.1
 """Residual over the motion that an encoder has to leave for that, too [1]."""
@@ -43,13 +44,14 @@ class Unexplained:
 
 
 def unexplained(
-    comparisons: Iterable[Comparison], *, contradicted: bool
+    comparisons: Iterable[Comparison], *, contradicted: bool, seen: float
 ) -> tuple[Unexplained, ...]:
     """Channels of the fitted runs that the model doesn't explain.
 
     Args:
         comparisons: The runs beside their simulations.
         contradicted: Whether a contradiction between the sensors was accepted.
+        seen: Turn of a drive that moves its cable by the camera's noise [rad].
 
     Returns:
         The channels, by how far they exceed the noise.
@@ -59,7 +61,7 @@ def unexplained(
         for run in comparisons
         if not run.held_out
         for channel in run.channels
-        if (not channel.is_noise if contradicted else _is_unexplained(channel))
+        if (not channel.is_noise if contradicted else _is_unexplained(channel, seen))
     ]
     return tuple(sorted(channels, key=lambda channel: -channel.ratio))
 
@@ -99,10 +101,12 @@ def judged(
     return tuple(map(of, parameters))
 
 
-def _is_unexplained(channel: Channel) -> bool:
+def _is_unexplained(channel: Channel, seen: float) -> bool:
     if channel.is_noise or channel.chi_square < TENS**2:
         return False
-    return channel.name not in ENCODERS or _share(channel) > SHARE
+    if channel.name not in ENCODERS:
+        return True
+    return _share(channel) > SHARE and channel.rms > TENS * seen
 
 
 def _share(channel: Channel) -> float:

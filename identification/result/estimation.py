@@ -30,6 +30,7 @@ from identification.result.estimate import Estimate, Fit
 from identification.result.fitted_robot import Residual, fitted_robot
 from scdpr_jax.numerics.levenberg_marquardt import Minimum
 from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.robot.quantities import value
 
 CORRECTIONS = 2
 """How often the coarser grid's own error is taken off, see `identification.fit.correction`."""
@@ -127,7 +128,9 @@ def _estimate(
     (sums,) = problem.sums([minimum.point])
     _require_finite(problem, sums)
     runs, accepted = comparisons(problem, point), problem.logs.accepted
-    failing = unexplained(runs, contradicted=bool(accepted))
+    radius = float(value(problem.prior, "effective_radius"))
+    seen = problem.logs.sensors.camera_position_sigma / radius
+    failing = unexplained(runs, contradicted=bool(accepted), seen=seen)
     by_errors = fitted_robot(problem, minimum, sums)
     telling = identifiability(problem, minimum.point, sums, motion=motion_over_noise(runs))
     fitted = dataclasses.replace(
