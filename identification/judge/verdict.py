@@ -29,6 +29,11 @@ SHARE = 0.1
 """Residual over the motion that an encoder has to leave for that, too [1]."""
 
 
+INERTIA_FACTOR = 2.0
+"""Drive inertia over the nameplate's, or the reverse, from which it isn't plausible [1]: rotors
+of drawn rigs differ by 1.4. Commands in another unit scale it."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Unexplained:
     """A channel of a fitted run that the model doesn't explain."""
@@ -66,6 +71,34 @@ def unexplained(
     return tuple(sorted(channels, key=lambda channel: -channel.ratio))
 
 
+def is_doubtful(
+    parameters: Sequence[ParameterEstimate],
+    comparisons: Iterable[Comparison],
+    *,
+    nameplate: float,
+) -> bool:
+    """Whether a fit that leaves more than noise has an inertia that no rotor of the rig has.
+
+    What scales the commands scales inertia, damping and friction with them, and where nothing
+    else tells the scale, the fit is hardly the worse for it.
+
+    Args:
+        parameters: The quantities by their standard errors.
+        comparisons: The runs beside their simulations.
+        nameplate: Drive inertia that is known of the rig [kg m²].
+
+    Returns:
+        Whether it is so.
+    """
+    noise = all(c.is_noise for run in comparisons if not run.held_out for c in run.channels)
+    return not noise and any(
+        p.name == "drive_inertia"
+        and p.status == "identified"
+        and not 1 / INERTIA_FACTOR < p.value / nameplate < INERTIA_FACTOR
+        for p in parameters
+    )
+
+
 def judged(
     parameters: Sequence[ParameterEstimate],
     *,
@@ -78,8 +111,8 @@ def judged(
     Args:
         parameters: The quantities by their standard errors.
         failed: Whether the fit has failed: then no value has an error.
-        contradicted: Whether a contradiction between the sensors was accepted: what rests on
-            data that can't all be right is weakly identified at best.
+        contradicted: Whether a contradiction between the sensors was accepted, or the fit is
+            doubtful: what rests on data that can't all be right is weakly identified at best.
         open_by_rank: Name and setting of the quantities that no smaller noise would tell.
 
     Returns:

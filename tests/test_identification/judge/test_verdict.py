@@ -10,7 +10,14 @@ from hypothesis import strategies as st
 
 from identification.fit.comparison import CAMERA, ENCODERS, Channel
 from identification.judge.uncertainty import DOES_NOT_FIT
-from identification.judge.verdict import SHARE, TENS, judged, unexplained
+from identification.judge.verdict import (
+    INERTIA_FACTOR,
+    SHARE,
+    TENS,
+    is_doubtful,
+    judged,
+    unexplained,
+)
 
 SEEN = 2e-4 / 0.073
 """Turn of a drive that moves its cable by the camera's noise [rad]."""
@@ -102,3 +109,14 @@ def test_what_the_rank_leaves_open_has_no_interval_however_small_its_error():
     assert after[0].status == "unidentifiable"
     assert np.isinf(after[0].sigma)
     assert after[1:] == parameters[1:]
+
+
+@given(ratio=st.floats(1.01 * INERTIA_FACTOR, 50.0), over=st.booleans())
+def test_an_inertia_that_no_rotor_has_makes_a_fit_with_more_than_noise_doubtful(ratio, over):
+    nameplate = 0.0127
+    value = nameplate * ratio if over else nameplate / ratio
+    inertia = report_samples.parameter("drive_inertia", value, 1e-6, unit="kg m^2")
+    noisy, quiet = run_of(channel("x_e", 5.0)), run_of(channel("x_e", 1.0))
+    assert is_doubtful((inertia,), (noisy,), nameplate=nameplate)
+    assert not is_doubtful((inertia,), (quiet,), nameplate=nameplate)
+    assert not is_doubtful((inertia,), (noisy,), nameplate=value / 1.5)
