@@ -5,7 +5,8 @@ a model. Where a camera's residuals are tens of its noise, the model is another 
 value is off by what the model is off, which nothing in the fit tells: then no error is better
 than one of a ten-thousandth. Encoders resolve a fiftieth of what a camera sees, and
 every real rig departs from its model by more than their counts: what an encoder leaves has to
-be a share of its motion, too.
+be a share of its motion, too, and tens of what a camera would see at the pulley's rim. A knock
+turns a drive by a few counts, and how it gives way within its friction no model knows.
 
 Where a contradiction between the sensors was accepted, more than noise in any channel is its
 doing until the contrary is shown.
@@ -20,12 +21,17 @@ import numpy as np
 from identification.fit.comparison import ENCODERS, Channel, Comparison
 from identification.judge.uncertainty import DOES_NOT_FIT, ParameterEstimate
 
-TENS = 20.0
+TENS = 30.0
 """Residual over the noise from which a channel isn't explained [1]: rigs that bend, rub and
-slacken otherwise than the model leave up to a dozen times the camera's."""
+slacken otherwise than the model leave up to eighteen times the camera's."""
 
 SHARE = 0.1
 """Residual over the motion that an encoder has to leave for that, too [1]."""
+
+
+INERTIA_FACTOR = 2.0
+"""Drive inertia over the nameplate's, or the reverse, from which it isn't plausible [1]: rotors
+of drawn rigs differ by 1.4. Commands in another unit scale it."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,13 +49,14 @@ class Unexplained:
 
 
 def unexplained(
-    comparisons: Iterable[Comparison], *, contradicted: bool
+    comparisons: Iterable[Comparison], *, contradicted: bool, seen: float
 ) -> tuple[Unexplained, ...]:
     """Channels of the fitted runs that the model doesn't explain.
 
     Args:
         comparisons: The runs beside their simulations.
         contradicted: Whether a contradiction between the sensors was accepted.
+        seen: Turn of a drive that moves its cable by the camera's noise [rad].
 
     Returns:
         The channels, by how far they exceed the noise.
@@ -59,9 +66,37 @@ def unexplained(
         for run in comparisons
         if not run.held_out
         for channel in run.channels
-        if (not channel.is_noise if contradicted else _is_unexplained(channel))
+        if (not channel.is_noise if contradicted else _is_unexplained(channel, seen))
     ]
     return tuple(sorted(channels, key=lambda channel: -channel.ratio))
+
+
+def is_doubtful(
+    parameters: Sequence[ParameterEstimate],
+    comparisons: Iterable[Comparison],
+    *,
+    nameplate: float,
+) -> bool:
+    """Whether a fit that leaves more than noise has an inertia that no rotor of the rig has.
+
+    What scales the commands scales inertia, damping and friction with them, and where nothing
+    else tells the scale, the fit is hardly the worse for it.
+
+    Args:
+        parameters: The quantities by their standard errors.
+        comparisons: The runs beside their simulations.
+        nameplate: Drive inertia that is known of the rig [kg m²].
+
+    Returns:
+        Whether it is so.
+    """
+    noise = all(c.is_noise for run in comparisons if not run.held_out for c in run.channels)
+    return not noise and any(
+        p.name == "drive_inertia"
+        and p.status == "identified"
+        and not 1 / INERTIA_FACTOR < p.value / nameplate < INERTIA_FACTOR
+        for p in parameters
+    )
 
 
 def judged(
@@ -76,8 +111,8 @@ def judged(
     Args:
         parameters: The quantities by their standard errors.
         failed: Whether the fit has failed: then no value has an error.
-        contradicted: Whether a contradiction between the sensors was accepted: what rests on
-            data that can't all be right is weakly identified at best.
+        contradicted: Whether a contradiction between the sensors was accepted, or the fit is
+            doubtful: what rests on data that can't all be right is weakly identified at best.
         open_by_rank: Name and setting of the quantities that no smaller noise would tell.
 
     Returns:
@@ -99,10 +134,12 @@ def judged(
     return tuple(map(of, parameters))
 
 
-def _is_unexplained(channel: Channel) -> bool:
+def _is_unexplained(channel: Channel, seen: float) -> bool:
     if channel.is_noise or channel.chi_square < TENS**2:
         return False
-    return channel.name not in ENCODERS or _share(channel) > SHARE
+    if channel.name not in ENCODERS:
+        return True
+    return _share(channel) > SHARE and channel.rms > TENS * seen
 
 
 def _share(channel: Channel) -> float:

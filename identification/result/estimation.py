@@ -25,11 +25,12 @@ from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import FOLLOWS, encode
 from identification.judge.identifiability import identifiability, motion_over_noise
 from identification.judge.influence import influence, run_normal
-from identification.judge.verdict import judged, unexplained
+from identification.judge.verdict import is_doubtful, judged, unexplained
 from identification.result.estimate import Estimate, Fit
 from identification.result.fitted_robot import Residual, fitted_robot
 from scdpr_jax.numerics.levenberg_marquardt import Minimum
 from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.robot.quantities import value
 
 CORRECTIONS = 2
 """How often the coarser grid's own error is taken off, see `identification.fit.correction`."""
@@ -127,15 +128,19 @@ def _estimate(
     (sums,) = problem.sums([minimum.point])
     _require_finite(problem, sums)
     runs, accepted = comparisons(problem, point), problem.logs.accepted
-    failing = unexplained(runs, contradicted=bool(accepted))
+    radius = float(value(problem.prior, "effective_radius"))
+    seen = problem.logs.sensors.camera_position_sigma / radius
+    failing = unexplained(runs, contradicted=bool(accepted), seen=seen)
     by_errors = fitted_robot(problem, minimum, sums)
+    nameplate = float(value(problem.prior, "drive_inertia"))
+    doubtful = is_doubtful(by_errors.parameters, runs, nameplate=nameplate)
     telling = identifiability(problem, minimum.point, sums, motion=motion_over_noise(runs))
     fitted = dataclasses.replace(
         by_errors,
         parameters=judged(
             by_errors.parameters,
             failed=bool(failing),
-            contradicted=bool(accepted),
+            contradicted=bool(accepted) or doubtful,
             open_by_rank=telling.open_by_rank,
         ),
         residuals=tuple(

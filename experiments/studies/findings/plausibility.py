@@ -12,6 +12,7 @@ from identification.campaign.types import Campaign
 from identification.fit.unknowns.measured import MeasuredFit
 from identification.fit.unknowns.unknowns import PER_SETTING
 from identification.judge.uncertainty import ParameterEstimate, half_width
+from identification.judge.verdict import INERTIA_FACTOR
 from identification.knocks.frequency_map import FrequencyMap
 from identification.knocks.settings import ALIKE, APART, alike_settings, odd_knocks
 from identification.result.estimate import Estimate
@@ -153,7 +154,8 @@ def _far_off(parameter: ParameterEstimate, nameplate: float) -> str:
     if parameter.value <= 0 or nameplate <= 0:
         return ""
     ratio = parameter.value / nameplate
-    if 1 / FACTOR < ratio < FACTOR:
+    factor = INERTIA_FACTOR if parameter.name == "drive_inertia" else FACTOR
+    if 1 / factor < ratio < factor:
         return ""
     unit = "" if parameter.unit == "1" else f" {readable_unit(parameter.unit)}"
     times = f"{plain(ratio, 2)} times" if ratio > 1 else f"1/{plain(1 / ratio, 2)} of"

@@ -64,14 +64,8 @@ def plan(
             "leg to plan."
         )
     with shown_progress(ERRORS) as progress:
-        planned = plan_leg(
-            robot,
-            tuned.controller,
-            start,
-            end,
-            leg_time=seconds,
-            progress=progress.part(0.0, 0.9),
-        )
+        inner, law = progress.part(0.0, 0.9), tuned.controller
+        planned = plan_leg(robot, law, start, end, leg_time=seconds, progress=inner)
         progress("the leg beside the PD of Eq. (25) alone", 0.9)
         compared = compare(robot, tuned.controller, planned)
     limit = float(robot.drive.voltage_limit)

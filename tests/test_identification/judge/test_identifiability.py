@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -34,3 +36,13 @@ def test_the_reason_tells_no_effect_from_a_weak_one_and_from_a_shared_one(name, 
     shared = Combination(NAMES, (0.0, 0.5**0.5, 0.5**0.5), 2.0)
     found = sample([0, 5, 0.1, 0, 7, 0.1], [np.inf, 1e-3, 0.5], (shared,))
     assert expected in found.reason(name, None)
+
+
+def test_what_the_rank_leaves_open_is_named_beside_what_the_noise_hides():
+    told = Combination(NAMES, (1.0, 0.0, 0.0), 1e-9, share=0.5)
+    flat = Combination(NAMES, (0.0, 0.5**0.5, -(0.5**0.5)), 1e-6, share=1e-5)
+    found = dataclasses.replace(sample([1] * 6, [1e-3] * 3, (told,)), unranked=(flat,))
+    assert found.open_by_rank == {NAMES[1], NAMES[2]}
+    assert found.undetermined() == (flat,)
+    reason = found.reason("drive_inertia", None)
+    assert "can't tell torque per volt rising while drive inertia falls" in reason

@@ -10,7 +10,17 @@ from hypothesis import strategies as st
 
 from identification.fit.comparison import CAMERA, ENCODERS, Channel
 from identification.judge.uncertainty import DOES_NOT_FIT
-from identification.judge.verdict import SHARE, TENS, judged, unexplained
+from identification.judge.verdict import (
+    INERTIA_FACTOR,
+    SHARE,
+    TENS,
+    is_doubtful,
+    judged,
+    unexplained,
+)
+
+SEEN = 2e-4 / 0.073
+"""Turn of a drive that moves its cable by the camera's noise [rad]."""
 
 
 def channel(name, ratio, *, share=1.0):
@@ -26,7 +36,8 @@ def run_of(*channels, held_out=False):
 
 def names(*channels, held_out=False, contradicted=False):
     runs = (run_of(*channels, held_out=held_out),)
-    return [one.channel for one in unexplained(runs, contradicted=contradicted)]
+    found = unexplained(runs, contradicted=contradicted, seen=SEEN)
+    return [one.channel for one in found]
 
 
 @given(ratio=st.floats(1.01 * TENS, 1e6))
@@ -41,8 +52,12 @@ def test_less_than_tens_of_the_noise_is_no_failure(name, ratio):
 
 @given(share=st.floats(1e-4, 0.99 * SHARE))
 def test_counts_of_an_encoder_are_no_failure_of_a_model(share):
-    assert names(channel("alpha_1", 500.0, share=share)) == []
-    assert names(channel("alpha_1", 500.0, share=2 * SHARE)) == ["alpha_1"]
+    assert names(channel("alpha_1", 5000.0, share=share)) == []
+    assert names(channel("alpha_1", 5000.0, share=2 * SHARE)) == ["alpha_1"]
+
+
+def test_a_drive_that_gives_way_by_less_than_a_camera_sees_is_no_failure():
+    assert names(channel("alpha_1", 0.9 * TENS * SEEN / 1e-4, share=10.0)) == []
 
 
 def test_runs_that_were_held_out_fail_no_fit():
@@ -61,7 +76,7 @@ def test_the_worst_channel_comes_first():
 
 def test_a_channel_that_stands_still_has_an_infinite_share():
     still = Channel("alpha_1", "rad", 1.0, 1e-4, 0.0, 0.5, 60)
-    (found,) = unexplained((run_of(still),), contradicted=False)
+    (found,) = unexplained((run_of(still),), contradicted=False, seen=SEEN)
     assert math.isinf(found.share)
 
 
@@ -85,3 +100,23 @@ def test_what_rests_on_an_accepted_contradiction_is_weak_at_best():
 def test_a_good_fit_stays_as_it_is():
     parameters = report_samples.estimated_parameters()
     assert judged(parameters, failed=False, contradicted=False) == parameters
+
+
+def test_what_the_rank_leaves_open_has_no_interval_however_small_its_error():
+    parameters = report_samples.estimated_parameters()
+    open_ = frozenset({(parameters[0].name, parameters[0].setting)})
+    after = judged(parameters, failed=False, contradicted=False, open_by_rank=open_)
+    assert after[0].status == "unidentifiable"
+    assert np.isinf(after[0].sigma)
+    assert after[1:] == parameters[1:]
+
+
+@given(ratio=st.floats(1.01 * INERTIA_FACTOR, 50.0), over=st.booleans())
+def test_an_inertia_that_no_rotor_has_makes_a_fit_with_more_than_noise_doubtful(ratio, over):
+    nameplate = 0.0127
+    value = nameplate * ratio if over else nameplate / ratio
+    inertia = report_samples.parameter("drive_inertia", value, 1e-6, unit="kg m^2")
+    noisy, quiet = run_of(channel("x_e", 5.0)), run_of(channel("x_e", 1.0))
+    assert is_doubtful((inertia,), (noisy,), nameplate=nameplate)
+    assert not is_doubtful((inertia,), (quiet,), nameplate=nameplate)
+    assert not is_doubtful((inertia,), (noisy,), nameplate=value / 1.5)

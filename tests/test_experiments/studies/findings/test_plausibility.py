@@ -11,12 +11,12 @@ from experiments.reports.model_tables import measured_tables
 from experiments.studies.findings.findings import findings
 from experiments.studies.findings.plausibility import (
     ABOVE,
-    FACTOR,
     implausible,
     settings_alike,
 )
 from identification.fit.unknowns.measured import MeasuredFit, MeasuredQuantity
 from identification.fit.unknowns.options import FitOptions
+from identification.judge.verdict import INERTIA_FACTOR
 from identification.result.parameters_file import read_parameters, write_parameters
 from scdpr_jax.robot.quantities import value
 
@@ -47,11 +47,11 @@ def test_a_pretension_above_its_setting_is_told():
     assert told(*parameters(pretension=0.99 * ABOVE * 350)) == ()
 
 
-def test_an_inertia_five_times_the_nameplate_is_told():
+def test_an_inertia_twice_the_nameplates_is_told():
     nameplate = 0.0127344
-    (sentence,) = told(*parameters(inertia=1.1 * FACTOR * nameplate))
+    (sentence,) = told(*parameters(inertia=1.1 * INERTIA_FACTOR * nameplate))
     assert "the drive inertia is" in sentence
-    (sentence,) = told(*parameters(inertia=nameplate / FACTOR / 1.1))
+    (sentence,) = told(*parameters(inertia=nameplate / INERTIA_FACTOR / 1.1))
     assert "of the nameplate's" in sentence
 
 
