@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.measurements import (
     cold_start,
+    cores,
     fits,
     forward,
     frequencies,
@@ -16,6 +17,7 @@ ROWS: tuple[tuple[str, Callable[[Settings], Iterator[Line]]], ...] = (
     ("forward-nonlinear", forward.nonlinear),
     ("jacobian-linear", jacobians.linear),
     ("jacobian-nonlinear", jacobians.nonlinear),
+    ("cores", cores.all_over_one),
     ("fit", fits.linear),
     ("frequencies", frequencies.million),
     ("cold-start", cold_start.single_run),

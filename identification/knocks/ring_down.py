@@ -1,12 +1,15 @@
 """Natural frequency and damping from the free vibration after a knock."""
 
 import dataclasses
+import functools
+from collections.abc import Callable
 
 import numpy as np
 import scipy.special
 from jaxtyping import Float
 
 from identification.knocks.decay import Decay, fit_decay
+from identification.knocks.decimation import Thinned, thinned
 from identification.knocks.spectrum import natural_frequency
 from scdpr_jax.numerics.long_run_variance import sandwich
 from scdpr_jax.robot.fields import si
@@ -99,7 +102,8 @@ def ring_down(
     by Schwarz's criterion; only modes that vibrate (damping ratio below 0.3) are allowed.
 
     This runs in NumPy: the number of samples changes from window to window, and there is
-    nothing to compile; a knock takes a tenth of a second.
+    nothing to compile. Of a long fast record means are fitted (`decimation`), so that a knock
+    takes some tenths of a second at any rate.
 
     Args:
         time: Time of each sample [s], strictly increasing.
@@ -123,12 +127,12 @@ def ring_down(
     time, displacement = time[seen], displacement[seen]
     _check_length(time, after=after)
     # In units of the noise from here on, but for the amplitudes.
-    signal = displacement / noise_sigma
+    record = thinned(time, displacement / noise_sigma)
     starts = time[0] + (time[-1] - time[0]) * np.linspace(0, _LATEST, _STARTS)
     windows = []
     for start in starts:
-        inside = time >= start
-        window = _window(time[inside], signal[inside])
+        inside = record.time >= start
+        window = _window(record.time[inside], record.signal[inside])
         windows += [] if window is None else [window]
         if windows and windows[-1].is_noise:
             break
@@ -137,10 +141,11 @@ def ring_down(
     chosen = windows[-1]
     if not chosen.is_noise:
         chosen = min(windows, key=lambda window: window.chi_square)
-    modes = _ranked(chosen, noise_sigma=noise_sigma)
+    unit = functools.partial(_in_metres, record, noise_sigma)
+    modes = _ranked(chosen, unit)
     if not chosen.is_noise:
         later = windows[len(windows) // 2 :]
-        modes[0] = _widened(modes[0], [_ranked(w, noise_sigma=noise_sigma)[0] for w in later])
+        modes[0] = _widened(modes[0], [_ranked(w, unit)[0] for w in later])
     inside = time >= chosen.start
     peak = natural_frequency(time[inside], displacement[inside])
     return RingDown(
@@ -243,12 +248,15 @@ def _judge(fit: Decay) -> tuple[float, bool]:
     return total / freedom, bool(likely and loose)
 
 
-def _ranked(window: _Window, *, noise_sigma: float) -> list[Mode]:
+def _in_metres(record: Thinned, noise_sigma: float, mode: Mode) -> Mode:
+    """A mode of a record in units of its noise, with its amplitude in metres."""
+    metres = noise_sigma * record.amplitude(mode.frequency) * mode.amplitude
+    return dataclasses.replace(mode, amplitude=metres)
+
+
+def _ranked(window: _Window, unit: Callable[[Mode], Mode]) -> list[Mode]:
     """A window's modes with their standard errors, the strongest first."""
-    modes = [
-        dataclasses.replace(mode, amplitude=noise_sigma * mode.amplitude)
-        for mode in _modes(window.fit, _covariance(window))
-    ]
+    modes = map(unit, _modes(window.fit, _covariance(window)))
     return sorted(modes, key=lambda mode: -mode.amplitude)
 
 

@@ -273,22 +273,22 @@ def _step(
     return step, -float(2 * merit.gradient @ step + step @ merit.matrix @ step)
 
 
-FloatArray = Float[np.ndarray, " n"] | Float[Array, " n"]
+FloatArray = Float[np.ndarray, "*searches n"] | Float[Array, "*searches n"]
 
 
 def damped_step(
     gradient: FloatArray,
-    matrix: Float[np.ndarray, "n n"] | Float[Array, "n n"],
-    damping: float | Float[Array, ""],
+    matrix: Float[np.ndarray, "*searches n n"] | Float[Array, "*searches n n"],
+    damping: float | Float[Array | np.ndarray, "*searches"],
     *,
-    free: Bool[np.ndarray, " n"] | Bool[Array, " n"] | None = None,
+    free: Bool[np.ndarray, "*searches n"] | Bool[Array, "*searches n"] | None = None,
     floor: float = 0.0,
 ) -> FloatArray:
     r"""The step $\delta$ with $(M + \lambda D)\, \delta = -g$ over the free unknowns.
 
     It is solved in units in which $D$ is one, so that logarithms, metres and seconds round
     alike. The shapes don't depend on which unknowns are free, so it serves NumPy's arrays and
-    those of a compiled program likewise.
+    those of a compiled program likewise, of one search or of many.
 
     Args:
         gradient: $g$, half the merit's gradient.
@@ -301,11 +301,12 @@ def damped_step(
         The step; 0 for an unknown that isn't free, or that nothing depends on.
     """
     xp = gradient.__array_namespace__()
-    diagonal = xp.diagonal(matrix)
-    diagonal = diagonal + floor * xp.sum(diagonal)
+    identity = xp.eye(gradient.shape[-1], dtype=gradient.dtype)
+    diagonal = xp.linalg.diagonal(matrix)
+    diagonal = diagonal + floor * xp.sum(diagonal, axis=-1, keepdims=True)
     moves = diagonal > 0 if free is None else free & (diagonal > 0)
     scale = xp.where(moves, 1 / xp.sqrt(xp.where(moves, diagonal, 1.0)), 0.0)
     # An unknown that stays has an equation of its own.
-    alone = xp.diag(xp.where(moves, damping, 1.0))
-    unit = matrix * scale[:, None] * scale[None, :] + alone
-    return -scale * xp.linalg.solve(unit, gradient * scale)
+    alone = xp.where(moves, xp.asarray(damping)[..., None], 1.0)[..., None] * identity
+    unit = matrix * scale[..., None] * scale[..., None, :] + alone
+    return -scale * xp.linalg.solve(unit, (gradient * scale)[..., None])[..., 0]

@@ -12,7 +12,7 @@ from experiments.benchmarks.measurements.timing import Timed, interleaved
 from experiments.benchmarks.peers import mujoco_peer, scipy_peer
 from experiments.benchmarks.peers.contender import Contender
 from experiments.benchmarks.peers.diffrax_peers import WIDTH, Smoothed, SmoothedLinear
-from experiments.benchmarks.peers.engines import LinearEngine, NonlinearEngine
+from experiments.benchmarks.peers.engines import ByXla, LinearEngine, NonlinearEngine
 from experiments.benchmarks.problem import DURATION, LOG, PARTS, REFINED, drawn, error
 
 BATCHES = (1, 64, 1024, 4096)
@@ -23,8 +23,12 @@ CHUNKS = (16, 64, 128, 256)
 """Chunks among which each contender has its fastest."""
 COARSE = {LinearEngine: 2, NonlinearEngine: 4}
 """Fewest steps in an interval of the log that keep the error under 1e-5 m, by engine."""
-RUBBING = {LinearEngine: {"this, drives followed": LinearEngine(PARTS, rubbing_drives=True)}}
-"""Engines that can leave the drives' dry friction out, as they follow it."""
+BESIDE = {
+    LinearEngine: {"this, drives followed": LinearEngine(PARTS, rubbing_drives=True)},
+    NonlinearEngine: {"this, by XLA": ByXla(PARTS)},
+}
+"""By engine: the linear one following the drives' dry friction, which it can leave out, and
+what the nonlinear one's step is without machine code."""
 IMPLICIT_UP_TO = 64
 """Largest batch of the implicit solver, the slowest."""
 
@@ -73,7 +77,7 @@ def _forward(
     contenders = {
         "this": (engine(PARTS), values),
         f"this, {COARSE[engine] / LOG:g} Hz": (engine(COARSE[engine]), values),
-        **{name: (own, values) for name, own in RUBBING.get(engine, {}).items()},
+        **{name: (own, values) for name, own in BESIDE[engine].items()},
         "this, float32": (engine(PARTS), single),
         "diffrax Tsit5 1e-4": (smooth(diffrax.Tsit5(), 1e-4), values),
         "diffrax Kvaerno5 1e-5": (smooth(diffrax.Kvaerno5(), 1e-5), values),

@@ -37,6 +37,18 @@ class Jacobian(Contender):
         return jax.jacfwd(lambda at: self.contender(values * jnp.exp(at)))(logs)
 
 
+class Wide(Contender):
+    """Derivatives by twenty numbers, of which each moves all values."""
+
+    contender: Contender
+    """Whose."""
+
+    def __call__(self, values: Float[Array, "4"]) -> Float[Array, "rows 5 20"]:
+        turn = jnp.cos(jnp.outer(jnp.arange(20.0), jnp.arange(1.0, 1 + len(FREE))))
+        logs = jnp.zeros(20, values.dtype)
+        return jax.jacfwd(lambda at: self.contender(values * jnp.exp(at @ turn)))(logs)
+
+
 def linear(settings: Settings) -> Iterator[Line]:
     """Jacobians of the linear model.
 
@@ -107,6 +119,31 @@ def _jacobians(
                 note=f"chunks of {size[name]}, forward of {size['forward']}",
             )
     yield Line(row, peer, PEER_UP_TO + 1, note="larger batches not run, to keep this short")
+    yield _wide(row.replace("by 4", "by 20"), engine(PARTS), values, settings)
+
+
+def _wide(
+    row: str, forward: Contender, values: Float[np.ndarray, "runs 4"], settings: Settings
+) -> Line:
+    """Jacobians by twenty numbers beside forward runs."""
+    batch = min(BATCHES[0], settings.largest_batch)
+    calls = {"forward": forward, "this": Wide(forward)}
+    times = interleaved(
+        {name: call(contender, values[:batch], batch) for name, contender in calls.items()},
+        repeats=settings.repeats,
+    )
+    timed = times["this"]
+    return Line(
+        row=row,
+        contender="this",
+        batch=batch,
+        median=timed.median,
+        rate=batch / timed.median,
+        unit="Jacobian",
+        compile=timed.compile,
+        ratio=f"{timed.median / times['forward'].median:.1f} times this engine's forward",
+        note=f"chunks of {batch}",
+    )
 
 
 def _error(

@@ -12,6 +12,7 @@ Row = Literal[
     "forward-nonlinear",
     "jacobian-linear",
     "jacobian-nonlinear",
+    "cores",
     "fit",
     "frequencies",
     "cold-start",
