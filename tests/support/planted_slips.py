@@ -369,6 +369,45 @@ def counter(campaign: Campaign, random: np.random.Generator) -> Campaign:
 PLANTED["wraps at 2^16"] = ("wrap.alpha", counter)
 
 
+def counts(campaign: Campaign, random: np.random.Generator) -> Campaign:
+    return each_run(campaign, angles(campaign.counts_per_rev / (2 * math.pi)))
+
+
+def thinned(run: Run) -> Run:
+    """The same run logged at 200 Hz."""
+    every = max(1, round(5e-3 / float(run.drive.time[1] - run.drive.time[0])))
+    rows = slice(None, None, every)
+    d = run.drive
+    return drive(run, time=d.time[rows], voltage=d.voltage[rows], angle=d.angle[rows])
+
+
+def slow_jump(campaign: Campaign, random: np.random.Generator) -> Campaign:
+    return in_one(jump(0.1))(each_run(campaign, thinned), random)
+
+
+def constant_volts(run: Run) -> Run:
+    voltage = run.drive.voltage.copy()
+    voltage[:, 0] = 3.0
+    return drive(run, voltage=voltage)
+
+
+PLANTED |= {
+    "counts labelled rad": ("unit.alpha", counts),
+    "alpha 2 in one run": ("sign.alpha_2", in_one(angles(-1, (1,)))),
+    "motor 1 in one run": (
+        "sign.motor_1",
+        in_one(chain(angles(-1, (0,)), volts(-1, (0,)))),
+    ),
+    "encoder 1 in degrees in one run": ("unit.alpha", in_one(angles(1 / RAD, (0,)))),
+    "voltage 1 in one run": ("sign.voltage_1", in_one(volts(-1, (0,)), steps)),
+    "mV in one run": ("unit.voltage", in_one(volts(1e3), steps)),
+    "q_4 in cm as m": ("unit.position", everywhere(places(1e2, (Q4,)))),
+    "jump of 0.1 rad at 200 Hz": ("jump.alpha", slow_jump),
+    "volts stuck at 3": ("stuck.voltage", in_one(constant_volts, steps)),
+}
+"""Slips that the others imply: in one run only, of one encoder only, in slow logs."""
+
+
 def applies(identifier: str, campaign: Campaign) -> bool:
     """Whether a slip of this kind is one in this campaign: nothing stated can't be wrong."""
     if identifier == "clock.offset":

@@ -136,14 +136,27 @@ def _encoder(record: Record, rig: Rig, encoder: int) -> tuple[Record, list[Findi
         return record, []
     size = np.abs(steps.out[rows])
     typical = float(np.median(size))
-    alike = float(np.mean(np.abs(size / typical - 1) < 0.05)) > 0.7
     span = float(np.ptp(record.angle[:, encoder]))
-    periods = wrap_periods(rig) | _short_counters(rig, span)
-    names = [name for name, period in periods.items() if abs(typical / period - 1) < 0.03]
-    if alike and (names or len(rows) >= 3):
-        period = periods[names[0]] if names else typical
-        return _unwrapped(record, encoder, steps, rows, period, names)
+    for name, period in (wrap_periods(rig) | _short_counters(rig, span)).items():
+        turns = np.abs(size / period - 1) < 0.03
+        if turns.any():
+            record, told = _unwrapped(record, encoder, steps, rows[turns], period, [name])
+            return (record, told) if turns.all() else _rest(record, rig, encoder, told)
+    if len(rows) >= 3 and float(np.mean(np.abs(size / typical - 1) < 0.05)) > 0.7:
+        return _unwrapped(record, encoder, steps, rows, typical, [])
     return _closed(record, encoder, steps, rows)
+
+
+def _rest(
+    record: Record, rig: Rig, encoder: int, told: list[Finding]
+) -> tuple[Record, list[Finding]]:
+    """Lost counts beside wraps, which are taken out already."""
+    steps = _compared(np.diff(record.angle[:, encoder]))
+    rows = np.flatnonzero(_standing_out(steps, record, rig))
+    if not rows.size:
+        return record, told
+    record, more = _closed(record, encoder, steps, rows)
+    return record, [*told, *more]
 
 
 def _compared(step: Float64[np.ndarray, " steps"]) -> _Steps:

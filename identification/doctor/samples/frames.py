@@ -48,7 +48,7 @@ def frames(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
         found.append(_finding(record, "lost_as_value", lost, "were written for a lost marker"))
     other = np.zeros(position.shape, dtype=bool)
     for column in PLACES:
-        other[:, column] = _leaps(position[:, column], BUMP[column])
+        other[:, column] = _leaps(record.frame_time, position[:, column], BUMP[column])
     if other.any():
         position[other] = np.nan
         found.append(_finding(record, "swapped_marker", other, "leap away and back"))
@@ -92,21 +92,29 @@ def _repeated(position: Float64[np.ndarray, "frames 5"]) -> Bool[np.ndarray, "fr
     return lost
 
 
-def _leaps(values: Float64[np.ndarray, " frames"], bump: float) -> Bool[np.ndarray, " frames"]:
-    """Single frames far off both neighbours, and off the cubic through four of them.
+def _leaps(
+    time: Float64[np.ndarray, " frames"], values: Float64[np.ndarray, " frames"], bump: float
+) -> Bool[np.ndarray, " frames"]:
+    """Single frames, and two in a row, that their neighbours don't allow.
 
-    What is far is told by the run itself: by the scatter of such differences, by what one
-    in seven of them reaches, and by what a knock moves within a frame and back. The worst
+    What is far is told by the run itself: by the scatter of such differences, by what two
+    in five of them reach, and by what a knock moves within a frame and back. The worst
     goes first, because it spoils the judgement of its neighbours.
     """
     leaps = np.zeros(len(values), dtype=bool)
     if np.isfinite(values).sum() < 12:
         return leaps
+    place = np.rint((time - time[0]) / np.median(np.diff(time))).astype(int)
+    # Two stamps that jitter into one place, or a clock that stands still, are no grid.
+    if place[-1] > 4 * len(values) or np.any(np.diff(place) < 1):
+        place = np.arange(len(values))
     for _ in range(max(4, int(MOST * len(values)))):
         seen = np.flatnonzero(np.isfinite(values) & ~leaps)
-        score, scale = _standing_out(values[seen])
+        even = np.interp(np.arange(place[-1] + 1), place[seen], values[seen])
+        score, usual = _standing_out(even)
+        score = score[place[seen]]
         worst = int(np.argmax(score))
-        if score[worst] < max(scale, bump):
+        if score[worst] < max(usual, bump):
             break
         leaps[seen[worst]] = True
     return leaps
@@ -115,14 +123,17 @@ def _leaps(values: Float64[np.ndarray, " frames"], bump: float) -> Bool[np.ndarr
 def _standing_out(
     values: Float64[np.ndarray, " frames"],
 ) -> tuple[Float64[np.ndarray, " frames"], float]:
-    """How far each frame stands out, alone or with the next one, and what is usual."""
-    step = np.diff(values)
-    single, lone = np.zeros(len(values)), np.zeros(len(values))
-    lone[1:-1] = np.minimum(np.abs(step[:-1]), np.abs(step[1:])) * (step[:-1] * step[1:] < 0)
+    """How far each frame stands out, alone or with the next one, and what is usual.
+
+    A frame stands out by itself if neither the cubic through four neighbours explains it,
+    nor the run's own vibration.
+    """
+    score = np.zeros(len(values))
     inner = 4 * (values[1:-3] + values[3:-1]) - values[:-4] - values[4:]
-    single[2:-2] = values[2:-2] - inner / 6
-    usual = max(14 * spread(single), 7 * float(np.quantile(np.abs(single), 0.85)))
-    score = np.minimum(np.abs(single), 1.5 * lone)
+    single = np.abs(values[2:-2] - inner / 6)
+    single[1:-1] = np.minimum(single[1:-1], np.abs(_off_vibration(values)))
+    usual = max(14 * spread(single), 7 * float(np.quantile(single, 0.6)))
+    score[2:-2] = single
     # Two frames in a row: the cubic through two before and two after, at each of them.
     a, b, c, d, e, f = (values[k : len(values) - 5 + k] for k in range(6))
     first = c - (-0.3 * a + b + 0.5 * e - 0.2 * f)
@@ -132,15 +143,47 @@ def _standing_out(
     both[first * second < 0] = 0.0
     score[2:-3] = np.maximum(score[2:-3], both)
     score[3:-2] = np.maximum(score[3:-2], both)
-    score[0], score[-1] = _end(values), _end(values[::-1])
+    score[0], score[1] = _ends(values)
+    score[-1], score[-2] = _ends(values[::-1])
     return score, usual
 
 
-def _end(values: Float64[np.ndarray, " frames"]) -> float:
-    """How far the first frame stands out of the four after it, if these stand still."""
+def _off_vibration(values: Float64[np.ndarray, " frames"]) -> Float64[np.ndarray, " inner"]:
+    r"""Each frame less what the three before and the three after make of it.
+
+    A sum of two vibrations and a place obeys $x_i = \sum_k c_k (x_{i-k} + x_{i+k})$ with the
+    same three $c_k$ all along, of which $\sum_k 2 c_k = 1$ leaves two to be estimated. Frames
+    that don't obey hardly count in their estimate.
+    """
+    near, next_, far = (
+        (values[3 - k : len(values) - 3 - k] + values[3 + k : len(values) - 3 + k])
+        for k in (1, 2, 3)
+    )
+    matrix = np.stack([next_ - near, far - near], axis=1)
+    right = values[3:-3] - near / 2
+    # It begins as the cubic.
+    terms = np.array([-1 / 6, 0.0])
+    for _ in range(6):
+        error = right - matrix @ terms
+        weight = 1 / (1 + np.square(error / max(2 * spread(error), 1e-9)))
+        power = (matrix * weight[:, None]).T @ matrix
+        power += np.eye(2) * (1e-9 * np.trace(power) + 1e-300)
+        terms = np.linalg.solve(power, (matrix * weight[:, None]).T @ right)
+    return right - matrix @ terms
+
+
+def _ends(values: Float64[np.ndarray, " frames"]) -> tuple[float, float]:
+    """How far the first frame and the second are off parabolas through their neighbours.
+
+    What an extrapolation is off by counts a third: it amplifies what is wrong with others.
+    Where the next frames stand still, it counts in full.
+    """
+    a, b, c, d = values[:4]
     near = values[1:5]
-    away = abs(float(values[0] - np.median(near)))
-    return away if float(np.ptp(near)) < 0.1 * away else 0.0
+    away = abs(float(a - np.median(near)))
+    still = float(np.ptp(near)) < 0.1 * away
+    first = abs(float(a - 3 * b + 3 * c - d)) / 3
+    return max(first, away) if still else first, abs(float(b - a / 3 - c + d / 3))
 
 
 def _finding(

@@ -48,6 +48,15 @@ QUICK = (
     "nothing moves",
     "start outside",
     "degrees in one run",
+    "counts labelled rad",
+    "alpha 2 in one run",
+    "motor 1 in one run",
+    "encoder 1 in degrees in one run",
+    "voltage 1 in one run",
+    "mV in one run",
+    "q_4 in cm as m",
+    "jump of 0.1 rad at 200 Hz",
+    "volts stuck at 3",
 )
 """At least one of each way of telling; the others are in the slow suite."""
 
