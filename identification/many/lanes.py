@@ -20,8 +20,8 @@ from scdpr_jax.robot.state import rest
 
 Result = TypeVar("Result")
 
-LANES = 32
-"""Fits side by side."""
+LANES, FEW = 32, 8
+"""Fits side by side, and of the last ones that go on: a chunk is filled up."""
 
 CONVERGED = 1e-3
 """Decrease of the sum of squares that a step still promises, below which a lane is done [1]."""
@@ -124,7 +124,8 @@ class Batch(eqx.Module):
             The results, stacked.
         """
         of_one = _Each(self.robot, self.interval, self.rubbing_drives, function)
-        return in_chunks(of_one, (self.runs, points), size=LANES)
+        size = LANES if len(points) > LANES // 2 else FEW
+        return in_chunks(of_one, (self.runs, points), size=size)
 
 
 class _Each(eqx.Module):

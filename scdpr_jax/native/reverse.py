@@ -2,9 +2,9 @@ r"""Reverse mode by few numbers, as forward mode by each of them.
 
 A cotangent pulled back through a run is a product with the run's Jacobian,
 $\bar x = J^T \bar y$. Where x is a robot's parameters or a start, J has so few columns that
-pushing all of them forward is done in less time than XLA takes to compile the reverse program
-of a step (half a minute and more), and soon than that program runs: it has to do all steps
-twice. By many numbers, such as the inputs of all steps, reverse mode is what it should be.
+pushing all of them forward is done long before XLA has compiled the reverse program of a step,
+which takes it half a minute and more. By many numbers, such as the inputs of all steps, reverse
+mode is what it should be.
 """
 
 import itertools

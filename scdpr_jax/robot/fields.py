@@ -33,7 +33,7 @@ def real(value: Any) -> Float[Array, "..."]:
 _NUMBERS = (bool, int, float, np.ndarray, np.generic)
 
 
-def concrete(array: Float[Array, "..."]) -> Float[Array | np.ndarray, "..."]:
+def concrete(array: Float[Array | np.ndarray, "..."]) -> Float[Array | np.ndarray, "..."]:
     """The numbers of an array as NumPy's, which computes without compiling anything.
 
     Args:
