@@ -134,9 +134,12 @@ def identifiability(
         for group, of_group in enumerate((encoders, camera)):
             squares = np.diagonal(of_group, axis1=1, axis2=2).sum(axis=0)
             np.add.at(moved[k, group], at, squares)
-    matrix += problem.otherwise(point).matrix
+    otherwise = problem.otherwise(point).matrix
+    # No model errs in what was measured otherwise: known well enough, it counts as told.
+    known = (motion * SHARE * DETERMINED) ** 2 * otherwise
     plausible = _scales(problem, point, plausible=True)
-    ranked, matrix = matrix * np.outer(plausible, plausible), matrix * np.outer(scale, scale)
+    ranked = (matrix + known) * np.outer(plausible, plausible)
+    matrix = (matrix + otherwise) * np.outer(scale, scale)
     others = np.flatnonzero(unknowns.open_to(problem.fitted()))
     others = others[others >= len(unknowns.shared)]
     names = unknowns.opened_names

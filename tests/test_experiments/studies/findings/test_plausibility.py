@@ -92,7 +92,7 @@ def test_only_what_the_logs_contradict_is_told():
 
 def test_the_file_holds_it_and_is_read_as_before(tmp_path):
     found, path = measured(off=2.0), tmp_path / "parameters.json"
-    write_parameters(path, found)
+    write_parameters(path, report_samples.complete(found))
     (row,) = json.loads(path.read_text())["measured_otherwise"]
     assert row["name"] == "end_effector_mass"
     assert row["fitted"] == pytest.approx(row["value"] + 2 * row["sigma"])
