@@ -146,7 +146,7 @@ def test_jacobians_agree_with_differences(campaign, truth):
     """Forward mode through sticks and slips against central differences."""
     run = campaign.run(RUNS[2])
     record = jax.tree.map(
-        lambda leaf: leaf[0],
+        lambda leaf: jnp.asarray(leaf[0]),
         stacked([run], [Clock(0.0, 0.0)], campaign.sensors, height=1.112),
     )
     free = [encode(name, truth.values[name]) for name in DRAWN]
