@@ -28,6 +28,9 @@ DECAY = 3.0
 UNEXPLAINED = 0.72
 """Share of the acceleration that may be left: elastic cables leave 0.5 of "sum"."""
 
+LAWLESS = 0.3
+"""Share of the acceleration along y from which it isn't the command's: good rigs leave 0.01."""
+
 PERIODS = (2e-5, 0.1)
 """Sample periods of a drive [s] that there are."""
 
@@ -44,8 +47,13 @@ def drive_relations(case: Case) -> Iterator[Relation]:
     yield _limit(case)
     yield _period(case)
     found = responses(case)
+    # Nothing gives way where the drives turn against each other. What isn't explained there
+    # isn't the drives' law, and a gain of it is none.
+    lawful = "difference" not in found or found["difference"].unexplained < LAWLESS
     for mode, response in found.items():
-        yield from _response(mode, response)
+        for relation in _response(mode, response):
+            if lawful or not relation.name.startswith("gain."):
+                yield relation
     inertia = drive_inertia(case, found)
     if inertia is not None:
         yield _volts(inertia)
