@@ -1,6 +1,7 @@
 """The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
 
 import gc
+import os
 import sys
 
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT, STOPPED
@@ -46,9 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
     if not arguments or arguments[0] in ("-h", "--help"):
         print(_help())
         return DONE if arguments else BAD_INPUT
-    # Libraries and figures make objects by the million that stay: looking for cycles among
-    # them takes a sixth of the time.
-    gc.set_threshold(100_000, 20, 20)
+    _prepare_process()
     verb, *rest = arguments
     wings = {name: wing for wing, verbs in VERBS.items() for name in verbs}
     if verb == "--version":
@@ -91,6 +90,17 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print(f"scdpr {verb}: stopped. No file is half written.", file=sys.stderr)
         return STOPPED
+
+
+def _prepare_process() -> None:
+    """What has to be settled before NumPy is loaded, and before much is made."""
+    for library in ("OPENBLAS", "MKL"):
+        # Sums that threads share out come out otherwise on another number of cores; NumPy's
+        # matrices are small here, and XLA has the cores.
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    # Libraries and figures make objects by the million that stay: looking for cycles among
+    # them takes a sixth of the time.
+    gc.set_threshold(100_000, 20, 20)
 
 
 def _help() -> str:

@@ -1,3 +1,4 @@
+import os
 import pathlib
 import subprocess
 import sys
@@ -64,3 +65,15 @@ def test_what_is_wrong_with_a_campaign_is_said_before_jax_is_loaded(verb, tmp_pa
     (tmp_path / "campaign").mkdir()
     call = [verb, str(tmp_path / "campaign"), "--out", str(tmp_path / "out")]
     subprocess.run([sys.executable, "-c", WITHOUT_JAX, *call], check=True)
+
+
+def test_numpy_sums_alike_on_any_number_of_cores():
+    script = """
+import os, sys
+from experiments import cli
+assert "numpy" not in sys.modules
+cli.main(["--version"])
+assert os.environ["OPENBLAS_NUM_THREADS"] == "1"
+"""
+    clean = {k: v for k, v in os.environ.items() if not k.endswith("_NUM_THREADS")}
+    subprocess.run([sys.executable, "-c", script], check=True, env=clean)
