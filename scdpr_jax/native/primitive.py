@@ -342,4 +342,5 @@ ad.primitive_transposes[_slopes_p] = _pulled
 _both_p = _primitive("native_run_with_slopes", _both_like, _both, values=True)
 partial_eval.custom_partial_eval_rules[_both_p] = _partly_known
 partial_eval.partial_eval_jaxpr_custom_rules[_both_p] = _partly_kept
-partial_eval.dce_rules[_both_p] = _partly_used
+# JAX 0.12 tells between what is used and the equation which of its inputs are alive.
+partial_eval.dce_rules[_both_p] = lambda used, *rest: _partly_used(used, rest[-1])
