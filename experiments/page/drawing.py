@@ -68,7 +68,7 @@ def drawing_aside(processes: int = os.cpu_count() or 1) -> Iterator[Draw]:
     """
     context = multiprocessing.get_context("spawn")
     pool = concurrent.futures.ProcessPoolExecutor(
-        processes, mp_context=context, initializer=_begin
+        processes, mp_context=context, initializer=_begin, initargs=gc.get_threshold()
     )
 
     def aside(figure: Figure, name: str, description: str) -> Drawn:
@@ -82,7 +82,7 @@ def drawing_aside(processes: int = os.cpu_count() or 1) -> Iterator[Draw]:
         pool.shutdown(cancel_futures=True)
 
 
-def _begin() -> None:
-    """A process that leaves it to the one that began it to be interrupted."""
+def _begin(*threshold: int) -> None:
+    """A process that looks for cycles as the one does that began it, and is ended by it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    gc.set_threshold(100_000, 20, 20)
+    gc.set_threshold(*threshold)
