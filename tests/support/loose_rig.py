@@ -213,20 +213,18 @@ def campaigns(seeds: list[int], *, elastic: bool | None = None) -> list[Campaign
     found, first = [], 0
     for random, plan, seed in zip(randoms, plans, seeds, strict=True):
         part = slice(first, first + len(plan))
-        found.append(_logged(random, plan, motion, part, seed))
+        found.append(logged(random, plan, motion, part, seed, _habits(random)))
         first += len(plan)
     return found
 
 
-def _logged(
-    random: np.random.Generator, plan: list[Program], motion: Motion, part: slice, seed: int
-) -> Campaign:
+def _habits(random: np.random.Generator) -> "Habits":
     counts = float(random.choice([26624, 26624, 8192, 65536, 40000]))
     clock = random.choice(["zero", "stated", "unknown"], p=[0.75, 0.15, 0.1])
     offset = {"zero": 0.0, "stated": 0.012, "unknown": float(random.uniform(-0.03, 0.03))}[
         clock
     ]
-    habits = _Habits(
+    return Habits(
         counts=counts,
         offset=offset,
         stated=None if clock == "unknown" else offset,
@@ -235,6 +233,17 @@ def _logged(
         every=int(random.choice([1, 1, 1, 2, 4])),
         lost=float(random.choice([0.0, 0.003, 0.02])),
     )
+
+
+def logged(
+    random: np.random.Generator,
+    plan: list[Program],
+    motion: Motion,
+    part: slice,
+    seed: int,
+    habits: "Habits",
+) -> Campaign:
+    """The campaign that sensors with such habits make of the runs in some columns."""
     runs = []
     for number, (program, column) in enumerate(
         zip(plan, range(part.start, part.stop), strict=True)
@@ -243,14 +252,16 @@ def _logged(
     return Campaign(
         name=f"loose rig, seed {seed}",
         runs=tuple(runs),
-        counts_per_rev=counts,
+        counts_per_rev=habits.counts,
         robot={"effective_radius": RADIUS},
-        sensors=Sensors(encoder_sigma=2 * np.pi / counts / np.sqrt(12)),
+        sensors=Sensors(encoder_sigma=2 * np.pi / habits.counts / np.sqrt(12)),
     )
 
 
 @dataclasses.dataclass(frozen=True)
-class _Habits:
+class Habits:
+    """What a lab's sensors and its people are like."""
+
     counts: float
     offset: float
     stated: float | None
@@ -266,7 +277,7 @@ def _run(
     program: Program,
     motion: Motion,
     column: int,
-    habits: _Habits,
+    habits: Habits,
 ) -> Run:
     rows, count = program.rows, 2 * np.pi / habits.counts
     time = np.arange(rows) * PERIOD
