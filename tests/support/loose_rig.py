@@ -254,7 +254,7 @@ def logged(
         runs=tuple(runs),
         counts_per_rev=habits.counts,
         robot={"effective_radius": RADIUS},
-        sensors=Sensors(encoder_sigma=2 * np.pi / habits.counts / np.sqrt(12)),
+        sensors=Sensors(encoder_sigma=float(2 * np.pi / habits.counts / np.sqrt(12))),
     )
 
 
