@@ -20,9 +20,9 @@ from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State
 from tuning.plan.leg import Leg
 from tuning.plan.plan import Plan
-from tuning.plan.search.scenarios import FITTED, VARIATIONS, scenarios, starts
+from tuning.plan.search.scenarios import FARTHEST, FITTED, scenarios, starts
 
-ROBOTS: tuple[Variation, ...] = (*FITTED, *VARIATIONS[:6])
+ROBOTS: tuple[Variation, ...] = (*FITTED, *FARTHEST)
 """The robots that a plan is judged on: one vector of the engine's lanes."""
 AFTERWARDS = 1.0
 """Time after a leg in which vibration is looked at [s]: some periods of the slowest mode."""

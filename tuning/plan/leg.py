@@ -14,7 +14,7 @@ REST = 0.08
 be at rest: the upper carriage takes some 60 ms of it for its last millimetre [s]."""
 SPLINE_WIDTH = 0.06
 """Time between the knots of the lower carriage's deviation [s]."""
-_SPLINES = (6, 40)
+FEWEST_SPLINES, MOST_SPLINES = 6, 40
 """Fewest and most splines of a leg; longer legs have wider ones."""
 
 
@@ -41,8 +41,7 @@ class Leg:
     @property
     def splines(self) -> int:
         """How many splines its deviation has."""
-        few, many = _SPLINES
-        return min(max(round(self.moving / SPLINE_WIDTH), few), many)
+        return min(max(round(self.moving / SPLINE_WIDTH), FEWEST_SPLINES), MOST_SPLINES)
 
     @property
     def course(self) -> Course:

@@ -43,6 +43,9 @@ STILL, ON_TARGET = 0.15e-3, 0.3e-3
 """Vibration and resting error of the fitted robot up to which a motion is good [m]."""
 NEGLIGIBLE = 0.3e-3
 """Mean vibration up to which no plain profile is preferred, which rests millimetres off [m]."""
+UNSTEADY = 2e-3
+"""By how much a line's slope may be beyond twice what friction holds [1]: more is no noise of a
+camera, but another quantity."""
 WITHIN = 0.93
 """Share of the voltage limit up to which its commands are [1]."""
 

@@ -47,7 +47,7 @@ def beginning(
         )
     if begin is not None:
         return Begin(parse_position(begin, name="--from", robot=robot), None)
-    from tuning.plan.planning import resting_start
+    from tuning.plan.planning import UNSTEADY, resting_start
 
     pose = _stated(start) if start is not None else _last_frames(run)
     place, slope = resting_start(robot, pose)
@@ -55,8 +55,7 @@ def beginning(
         float(own.friction.coefficient + own.friction.static_surplus)
         for own in (robot.lower_carriage, robot.upper_carriage)
     )
-    # Twice what friction holds is no noise of a camera: two coordinates are exchanged.
-    if abs(slope) > 2 * steepest + 2e-3:
+    if abs(slope) > 2 * steepest + UNSTEADY:
         raise ValueError(
             f"{'`--start`' if start is not None else run}: the carriages' line has a slope of "
             f"{slope:.4f}, expected at most {steepest:.4f}, which friction holds at rest. Give "

@@ -10,7 +10,7 @@ from scdpr_jax.engines.led_stepping import Lead, Undriven, step, whole_position
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.feedforward import inverse_dynamics
 from tuning.plan.led.arrival import Arrival, Goal, arrival, vibration
-from tuning.plan.led.servo import Deviation, Led, Servo, deviating_step, led_forces, transitions
+from tuning.plan.led.servo import Deviation, Led, Servo, deviating_step, led_force, transitions
 from tuning.plan.profile import Moment
 
 Slopes = native.Slopes
@@ -23,7 +23,7 @@ class Followed(NamedTuple):
     end: Undriven
     """State at the end of the leg."""
     aside: Deviation
-    """By how much lower carriage and height deviate there."""
+    """By how much the lower carriage deviates there."""
     positions: Float[np.ndarray, "robots steps 3"]
     """The undriven coordinates at the beginning of each step [m, rad, m]."""
 
@@ -79,7 +79,7 @@ class Leader:
         seeds = Slopes(Undriven(still, still), Lead(along[None], None))
         led = native.Runs(_advance, (self._robot, np.array([duration])))
         (end, positions), slopes = led.linearised(start, lead, along=seeds)
-        none = np.zeros((1, 2, len(along)))
+        none = np.zeros((1, len(along)))
         return (
             Followed(end, _none(1), positions),
             Followed(slopes.carried, Deviation(none, none), slopes.rows),
@@ -123,8 +123,8 @@ class Leader:
 
     def forces(
         self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
-    ) -> Float[np.ndarray, "1 n 2"]:
-        """What pulls at lower carriage and height, with friction.
+    ) -> Float[np.ndarray, "1 n"]:
+        """What pulls at the lower carriage, with friction.
 
         Args:
             positions: The undriven coordinates [m, rad, m].
@@ -141,7 +141,7 @@ class Leader:
         motion: Moment,
         *,
         along: tuple[Float[np.ndarray, "1 splines n 3"], Float[np.ndarray, "1 splines n 2"]],
-    ) -> tuple[Float[np.ndarray, "1 n 2"], Float[np.ndarray, "1 n 2 splines"]]:
+    ) -> tuple[Float[np.ndarray, "1 n"], Float[np.ndarray, "1 n splines"]]:
         """The same with derivatives.
 
         Args:
@@ -196,7 +196,7 @@ class Followers:
         led: Led,
         *,
         duration: float,
-        along: tuple[Float[np.ndarray, "splines steps 3"], Float[np.ndarray, "1 splines n 2"]],
+        along: tuple[Float[np.ndarray, "splines steps 3"], Float[np.ndarray, "1 splines n"]],
     ) -> tuple[Followed, Followed]:
         """The same with derivatives by the coefficients of splines.
 
@@ -205,12 +205,12 @@ class Followers:
             led: Where each is led.
             duration: Length of the steps [s].
             along: What each spline does to the lead's lower carriage [1] and to the fitted
-                robot's forces [N/m].
+                robot's force [N/m].
 
         Returns:
             What they do, and the derivatives.
         """
-        still, calm = np.zeros((1, 1, 3)), np.zeros((1, 1, 2))
+        still, calm = np.zeros((1, 1, 3)), np.zeros((1, 1))
         way, forces = along
         seeds = Slopes(
             (Undriven(still, still), Deviation(calm, calm)),
@@ -261,11 +261,11 @@ class Arriving:
             What each does, and its derivatives.
         """
         seeds = Undriven(*(np.moveaxis(own, -1, 1)[:, :, None] for own in along.end))
-        lower, height = (along.aside.position[:, k, :, None] for k in range(2))
+        lower = along.aside.position[:, :, None]
         (_, made), slopes = self._arrive.linearised(
             (),
             _single_rows(run, goals),
-            along=Slopes((), (seeds, Goal(lower, None, height))),
+            along=Slopes((), (seeds, Goal(lower, None, None))),
         )
         values, derivatives = (
             Arrival(*(own[:, 0] for own in each)) for each in (made, slopes.rows)
@@ -286,7 +286,7 @@ class Arriving:
 
 
 def _none(robots: int) -> Deviation:
-    return Deviation(np.zeros((robots, 2)), np.zeros((robots, 2)))
+    return Deviation(np.zeros(robots), np.zeros(robots))
 
 
 def _advance(
@@ -307,9 +307,9 @@ def _command(
 
 def _force(
     robot: Robot, _: tuple, row: tuple[Float[Array, "3"], Array, Array]
-) -> tuple[tuple, Float[Array, "2"]]:
+) -> tuple[tuple, Float[Array, ""]]:
     position, (lower, height), velocity = row
-    return (), led_forces(robot, whole_position(position, lower, height), velocity[0])[0]
+    return (), led_force(robot, whole_position(position, lower, height), velocity[0])[0]
 
 
 def _arriving(robot: Robot, _: tuple, row: tuple[Undriven, Goal]) -> tuple[tuple, Arrival]:
@@ -322,8 +322,7 @@ def _vibrating(robot: Robot, _: tuple, row: tuple[Undriven, Goal]) -> tuple[tupl
 
 def _single_rows(run: Followed, goals: Goal) -> tuple[Undriven, Goal]:
     """States with where the carriages are in the end, each as a run of one step."""
-    lower, height = run.aside.position.T
-    there = Goal(goals.lower + lower, goals.place, goals.height + height)
+    there = goals._replace(lower=goals.lower + run.aside.position)
     return (
         Undriven(*(own[:, None] for own in run.end)),
         Goal(*(np.asarray(own)[:, None] for own in there)),

@@ -1,4 +1,4 @@
-r"""How far the drives are from where they are led, on robots that aren't as fitted.
+r"""How far the lower carriage is from where it is led, on robots that aren't as fitted.
 
 The feed-forward is the fitted robot's. Another one's cables pull otherwise, its carriage rubs
 otherwise, and what is missing is left to the PD:
@@ -6,9 +6,10 @@ otherwise, and what is missing is left to the PD:
 $$ m \ddot e + (d + k_d)\,\dot e + k_p\,e = \Delta F, \qquad k_p = 2 K_p k_v / r^2, \quad
    k_d = 2 K_d k_v / r^2 $$
 
-with the deviation $e$ of $q_3$ or $y_e$ and $\Delta F$ what acts on it beyond the fitted
-robot's. Those are tenths of a millimetre, and after a leg they vibrate as much as all the rest:
-a plan that takes them for nothing leaves twice the vibration at the gains of Eq. (25).
+with the deviation $e$ of $q_3$ and $\Delta F$ what acts on it beyond the fitted robot's. (What
+acts on the height is of second order in the inclinations, and so small.) Those are tenths of a
+millimetre, and after a leg they vibrate as much as all the rest: a plan that takes them for
+nothing leaves several times the vibration, and the more the softer the gains are.
 
 Within a step $\Delta F$ is held, and the deviation moves exactly under it, so that stiff gains
 need no short steps. Where the reference rests, friction holds the carriage as it is.
@@ -27,7 +28,7 @@ from scdpr_jax.engines.stepping import friction_coefficients
 from scdpr_jax.robot.cable import loop_forces
 from scdpr_jax.robot.dynamics import dampings, masses
 from scdpr_jax.robot.parameters import Robot
-from scdpr_jax.robot.state import driven
+from scdpr_jax.robot.state import LOWER
 from tuning.plan.feedforward import TURN_ROUND
 
 _TERMS, _SQUARINGS = 8, 8
@@ -35,32 +36,32 @@ _TERMS, _SQUARINGS = 8, 8
 
 
 class Servo(NamedTuple):
-    """A PD against what it moves, $[q_3, y_e]$."""
+    """A PD against the lower carriage."""
 
-    stiffness: Float[Array | np.ndarray, "... 2"]
+    stiffness: Float[Array | np.ndarray, "..."]
     """Stiffness over mass, $k_p / m$ [1/s²]."""
-    damping: Float[Array | np.ndarray, "... 2"]
+    damping: Float[Array | np.ndarray, "..."]
     """Damping over mass, $(d + k_d) / m$ [1/s]."""
-    mass: Float[Array | np.ndarray, "... 2"]
-    """Masses that it moves [kg]."""
+    mass: Float[Array | np.ndarray, "..."]
+    """Mass that it moves [kg]."""
 
 
 class Transition(NamedTuple):
-    """How deviations move in a time under held forces."""
+    """How the deviation moves in a time under a held force."""
 
-    position: Float[Array | np.ndarray, "... 3 2"]
-    """To the deviation: by itself, by its velocity [s], by a force [m/N]; of either one."""
-    velocity: Float[Array | np.ndarray, "... 3 2"]
+    position: Float[Array | np.ndarray, "... 3"]
+    """To the deviation: by itself, by its velocity [s], by a force [m/N]."""
+    velocity: Float[Array | np.ndarray, "... 3"]
     """To its velocity, likewise."""
 
 
 class Deviation(NamedTuple):
-    """By how much $[q_3, y_e]$ deviate."""
+    """By how much the lower carriage deviates."""
 
-    position: Float[Array | np.ndarray, "... 2"]
-    """Deviations [m]."""
-    velocity: Float[Array | np.ndarray, "... 2"]
-    """Their velocities [m/s]."""
+    position: Float[Array | np.ndarray, "..."]
+    """Its deviation [m]."""
+    velocity: Float[Array | np.ndarray, "..."]
+    """That one's velocity [m/s]."""
 
 
 def servo(robot: Robot, controller: PD) -> Servo:
@@ -75,14 +76,14 @@ def servo(robot: Robot, controller: PD) -> Servo:
     """
     drive = robot.drive
     per_gain = 2 * np.asarray(drive.torque_per_volt) / np.square(drive.effective_radius)
-    mass, damping = (np.asarray(driven(of(robot))) for of in (masses, dampings))
+    mass, damping = (np.asarray(of(robot))[LOWER] for of in (masses, dampings))
     proportional = per_gain * np.asarray(controller.proportional_gain)
     derivative = per_gain * np.asarray(controller.derivative_gain)
     return Servo(proportional / mass, (damping + derivative) / mass, mass)
 
 
 def transition(own: Servo, time: Array) -> Transition:
-    r"""How deviations move in a time, $\exp(A t)$ of their state and the force.
+    r"""How the deviation moves in a time, $\exp(A t)$ of its state and the force.
 
     By its Taylor series over $2^{-8}$ of the time, squared eight times.
 
@@ -119,10 +120,10 @@ def _times(first: tuple, second: tuple, *, held: float) -> tuple:
     )
 
 
-def led_forces(
+def led_force(
     robot: Robot, position: Float[Array, "5"], velocity: Float[Array, ""]
-) -> tuple[Float[Array, "2"], Float[Array, ""]]:
-    """What pulls at lower carriage and height, and the lower carriage's largest friction.
+) -> tuple[Float[Array, ""], Float[Array, ""]]:
+    """What pulls at the lower carriage, and its largest friction.
 
     Args:
         robot: The robot.
@@ -130,12 +131,11 @@ def led_forces(
         velocity: Where the lower carriage is led to, whose sign is its friction's [m/s].
 
     Returns:
-        Forces with friction [N], and friction [N].
+        The cables' pull less friction [N], and friction [N].
     """
     loop = loop_forces(robot, position)
     limit = friction_coefficients(robot)[0] * loop.normal[0]
-    lower, height = driven(loop.pull)
-    return jnp.stack([lower - limit * jnp.tanh(velocity / TURN_ROUND), height]), limit
+    return loop.pull[LOWER] - limit * jnp.tanh(velocity / TURN_ROUND), limit
 
 
 class Led(NamedTuple):
@@ -145,8 +145,8 @@ class Led(NamedTuple):
     """Where the drives are to lead the rest."""
     velocity: Float[Array | np.ndarray, "..."]
     """Velocity of the lower carriage's reference at its beginning [m/s]."""
-    forces: Float[Array | np.ndarray, "... 2"]
-    """The fitted robot's `led_forces` there [N]."""
+    force: Float[Array | np.ndarray, "..."]
+    """The fitted robot's `led_force` there [N]."""
 
 
 def deviating_step(
@@ -168,19 +168,18 @@ def deviating_step(
     robot, duration, own, (middle, end) = parameters
     state, deviation = carry
     lead = led.lead
-    begin = jnp.stack([lead.lower[0], lead.height[0]]) + deviation.position
-    position = whole_position(state.position, begin[0], begin[1])
-    forces, limit = led_forces(robot, position, led.velocity)
-    beyond = forces - led.forces
+    place = lead.lower[0] + deviation.position
+    position = whole_position(state.position, place, lead.height[0])
+    force, limit = led_force(robot, position, led.velocity)
+    beyond = force - led.force
     # Where the reference rests, what friction can hold doesn't move.
     asked = beyond - own.mass * own.stiffness * deviation.position
-    rests = jnp.where((led.velocity == 0) & (jnp.abs(asked[0]) <= limit), 1.0, 0.0)
-    still = jnp.stack([rests, jnp.zeros_like(rests)])
+    still = jnp.where((led.velocity == 0) & (jnp.abs(asked) <= limit), 1.0, 0.0)
     moving = (1 - still) * deviation.velocity
     half = _deviation(middle, deviation.position, moving, beyond, still)
     last = _deviation(end, deviation.position, moving, beyond, still)
     path = jnp.stack([deviation.position, half.position, last.position])
-    aside = Lead(lead.lower + path[:, 0], lead.height + path[:, 1])
+    aside = Lead(lead.lower + path, lead.height)
     return (step(robot, state, aside, duration), last), state.position
 
 

@@ -46,7 +46,7 @@ class Group(NamedTuple):
     arriving: Arriving
     followers: Followers
 
-    def led(self, lead: Lead, motion: Moment, forces: Float[np.ndarray, "1 n 2"]) -> Led:
+    def led(self, lead: Lead, motion: Moment, forces: Float[np.ndarray, "1 n"]) -> Led:
         """What they are told.
 
         Args:
