@@ -195,13 +195,7 @@ def test_a_call_that_makes_no_sense_has_a_code_of_its_own(planner, name):
     assert math.isnan(planner.vibration()[0])
 
 
-SANITIZERS = [
-    "-std=c99",
-    "-O1",
-    "-g",
-    "-fsanitize=address,undefined",
-    "-fno-sanitize-recover=all",
-]
+SANITIZERS = ["-std=c99", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 HOSTILE_CALLS = r"""
 #include "scdpr_leg.h"
 #include <math.h>
