@@ -19,7 +19,7 @@ from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from tuning.loop.admissible import Admissible
 
-LONGEST_GAPS = (0.6, 0.9)
+LONGEST_GAPS = (0.6, 1.2)
 """Longest times between the impulses that are searched [s]."""
 LONGEST = sum(LONGEST_GAPS)
 """Longest shaper [s]."""
@@ -41,10 +41,10 @@ class Design(eqx.Module):
 
 
 SPREAD = Design(
-    loop=np.array([0.8, 0.8]),
-    gaps=np.array([0.5, 0.7]),
-    first=np.asarray(0.3),
-    tail=np.asarray(0.3),
+    loop=np.array([0.5, 0.5]),
+    gaps=np.array([0.25, 0.4]),
+    first=np.asarray(0.2),
+    tail=np.asarray(0.12),
 )
 """Standard deviations of the designs that a search begins with."""
 
@@ -56,14 +56,14 @@ def searched_from(frequency: float) -> Design:
         frequency: Natural frequency with both carriages held [Hz].
 
     Returns:
-        Soft gains, impulses a period of the held mode apart, and a return of 7 %.
+        Soft gains, impulses a period of the held mode apart, and a return of 4 %.
     """
     apart = np.clip(_APART / frequency / LONGEST_GAPS[0], 0.1, 0.9)
     return Design(
-        loop=np.array([-2.0, 0.0]),
-        gaps=np.array([np.log(apart / (1 - apart)), 0.9]),
-        first=np.asarray(0.25),
-        tail=np.asarray(-0.37),
+        loop=np.array([-2.3, -0.7]),
+        gaps=np.array([np.log(apart / (1 - apart)), 1.3]),
+        first=np.asarray(0.1),
+        tail=np.asarray(-0.22),
     )
 
 

@@ -24,7 +24,7 @@ LANES = 96
 """Legs simulated side by side."""
 HOLD = 0.8
 """Time that is looked at after a leg [s]: two and a half periods of 3 Hz."""
-PERIOD = 2e-3
+PERIOD = 2.5e-3
 """Sample period of the search [s]."""
 IMPULSES = 4
 """Room for a shaper's impulses; idle ones have no amplitude."""

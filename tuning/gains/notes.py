@@ -59,18 +59,19 @@ def _gain(shapers: Sequence[RegionalShaper], legs: PredictedLegs) -> list[str]:
     count, worse = len(legs.after.vibration), round(legs.worse * len(legs.after.vibration))
     resting = [1e3 * float(np.median(e.resting_error)) for e in (legs.before, legs.after)]
     longer = max(float(shaper.shaper.duration) for shaper in shapers)
+    left, worst = (round(100 * number) for number in (legs.share, legs.worst_share))
     notes = [
-        f"Over {count} random legs gains and shapers are predicted to leave "
-        f"{100 * legs.share:.0f} % of the vibration under Eq. (25), {100 * legs.worst_share:.0f}"
-        f" % of that of the robot they serve worst; {worse} legs shake more than before. The "
-        f"robot rests {resting[1]:.1f} mm from its target where it rested {resting[0]:.1f} mm "
-        f"(median). Legs arrive up to {longer:.2f} s later."
+        f"Over {count} random legs gains and shapers are predicted to leave {left} % of the "
+        f"vibration under Eq. (25), {worst} % where the robot is the one that they serve worst; "
+        f"{worse} of the legs shake more than before. The robot rests {resting[1]:.1f} mm from "
+        f"its target where it rested {resting[0]:.1f} mm (median). Legs arrive up to "
+        f"{longer:.2f} s later."
     ]
     poor = [shaper for shaper in shapers if shaper.share > LITTLE or shaper.kind == NONE]
     if poor or legs.share > LITTLE:
         notes.append(
-            f"In {len(poor)} of {len(shapers)} regions they gain little: what is left comes from "
-            "the carriages' friction, where the upper one breaks away and sticks, which no "
-            "shaper undoes. A planned leg (`scdpr plan`) leaves less."
+            f"In {len(poor)} of {len(shapers)} regions they gain little: what is left comes "
+            "from the carriages' friction, where the upper one breaks away and sticks, which "
+            "no shaper undoes. A planned leg (`scdpr plan`) leaves less."
         )
     return notes

@@ -28,11 +28,11 @@ from tuning.loop.admissible import Admissible
 class Effort(NamedTuple):
     """How much is spent on a search."""
 
-    legs: int = 20
+    legs: int = 32
     """Random legs that a design is tried on."""
-    population: int = 16
+    population: int = 12
     """Designs of a generation."""
-    generations: int = 8
+    generations: int = 5
     """Generations."""
 
 
@@ -53,7 +53,6 @@ def optimise(
     *,
     before: LegMeasures,
     frequency: float,
-    pace: Float[np.ndarray, " legs"],
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     seed: int = 0,
     progress: Progress = SILENT,
@@ -65,7 +64,6 @@ def optimise(
         within: Which gains are admissible.
         before: Measures of the legs under Eq. (25) alone.
         frequency: Natural frequency that the shaper is for [Hz].
-        pace: By how much longer the shaper is on each leg [1], see `scaled`.
         effort: How much is spent.
         seed: Of the search's random numbers; the same seed finds the same design.
         progress: Told what is being done and which share of it is done.
@@ -80,7 +78,10 @@ def optimise(
         designs: Float[np.ndarray, "population n"],
     ) -> Float[np.ndarray, " population"]:
         crossed = len(designs), len(legs)
-        laws = crossed_laws(*_laws(jnp.asarray(designs), within), pace)
+        laws = jax.tree.map(
+            lambda leaf: np.repeat(np.asarray(leaf), crossed[1], axis=0),
+            _laws(jnp.asarray(designs), within),
+        )
         tasks = legs.rows(np.tile(np.arange(crossed[1]), crossed[0]))
         after = runs(tasks, laws)
         return loss(jax.tree.map(lambda leaf: leaf.reshape(crossed), after), before)
@@ -96,28 +97,6 @@ def optimise(
     )
     best = unflatten(jnp.asarray(search.best))
     return Optimum(controller_of(within, best), shaper_of(best), search.loss)
-
-
-def crossed_laws(controllers: PD, shapers: Shaper, pace: Float[np.ndarray, " legs"]) -> Law:
-    """Every law on every leg.
-
-    Args:
-        controllers: Controllers at the search's period, stacked.
-        shapers: Shapers of `IMPULSES` impulses, stacked alike.
-        pace: By how much longer the shapers are on each leg [1].
-
-    Returns:
-        The laws: laws by legs, the legs running fastest.
-    """
-    times, amplitudes = np.asarray(shapers.times), np.asarray(shapers.amplitudes)
-    longer = np.minimum(pace[None], LONGEST / np.maximum(times[:, -1:], 1e-9))
-    stretched = times[:, None] * longer[:, :, None]
-    spread = np.broadcast_to(amplitudes[:, None], stretched.shape)
-    flat = (len(times) * len(pace), IMPULSES)
-    return Law(
-        jax.tree.map(lambda leaf: np.repeat(np.asarray(leaf), len(pace)), controllers),
-        Shaper(stretched.reshape(flat), spread.reshape(flat)),
-    )
 
 
 def scaled(shaper: Shaper, pace: float) -> Shaper:
@@ -136,17 +115,17 @@ def scaled(shaper: Shaper, pace: float) -> Shaper:
 
 
 @jax.jit
-def _laws(designs: Float[Array, "population n"], within: Admissible) -> tuple[PD, Shaper]:
+def _laws(designs: Float[Array, "population n"], within: Admissible) -> Law:
     """Controllers at the search's period, and shapers, of flat designs."""
     _, unflatten = jax.flatten_util.ravel_pytree(SPREAD)
 
-    def law(flat: Float[Array, " n"]) -> tuple[PD, Shaper]:
+    def law(flat: Float[Array, " n"]) -> Law:
         design = unflatten(flat)
         shaper = shaper_of(design)
         idle = IMPULSES - shaper.times.size
         room = Shaper(
             jnp.pad(shaper.times, (0, idle), mode="edge"), jnp.pad(shaper.amplitudes, (0, idle))
         )
-        return at_period(controller_of(within, design)), room
+        return Law(at_period(controller_of(within, design)), room)
 
     return jax.vmap(law)(designs)

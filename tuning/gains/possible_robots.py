@@ -1,4 +1,4 @@
-"""Robots that gains and shapers have to serve: what the fit leaves open, and what no fit knows."""
+"""Robots that gains and shapers have to serve: what a fit leaves open, and what none knows."""
 
 import itertools
 from collections.abc import Callable, Sequence

@@ -18,7 +18,6 @@ from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.parameters import Robot
 from tuning.gains.legs import IMPULSES, Law, Legs, at_period, joined, legs_of, runs
 from tuning.gains.loss import loss
-from tuning.gains.optimise import scaled
 from tuning.regions.cells import Cell, robot_in
 from tuning.regions.residual_map import worst_in_band
 from tuning.result.regional_shaper import RegionalShaper, ResidualVibration
@@ -56,13 +55,12 @@ class Candidates:
         return Candidates(tuple(names), chosen)
 
 
-def candidates(cells: Sequence[Cell], own: Shaper, reference: float) -> Candidates:
-    """An optimised shaper, none, and the catalogue's, all at each cell's frequency.
+def candidates(cells: Sequence[Cell], own: Shaper) -> Candidates:
+    """An optimised shaper, none, and the catalogue's at each cell's frequency.
 
     Args:
         cells: The cells.
         own: The optimised shaper.
-        reference: Frequency that it was optimised at [Hz].
 
     Returns:
         The candidates.
@@ -75,10 +73,9 @@ def candidates(cells: Sequence[Cell], own: Shaper, reference: float) -> Candidat
         np.concatenate(part)[: len(cells)] for part in zip(*parts, strict=True)
     )
     shapers = []
-    for number, cell in enumerate(cells):
-        stretched = padded(scaled(own, reference / cell.frequency), IMPULSES)
+    for number in range(len(cells)):
         others = [Shaper(*pair) for pair in zip(times[number], amplitudes[number], strict=True)]
-        shapers.append((stretched, *others))
+        shapers.append((padded(own, IMPULSES), *others))
     return Candidates((OWN, *_FAMILIES), tuple(shapers))
 
 

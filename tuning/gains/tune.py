@@ -18,7 +18,7 @@ from tuning.gains.legs import Legs, compile_runs, plain_law, runs
 from tuning.gains.loss import loss
 from tuning.gains.manoeuvre import HEIGHT, LEG_TIMES, SPAN, predict, prediction_preparations
 from tuning.gains.notes import notes_of
-from tuning.gains.optimise import Effort, Optimum, optimise
+from tuning.gains.optimise import Effort, Optimum, optimise, scaled
 from tuning.gains.possible_robots import Draws, possible_robots
 from tuning.gains.regional import (
     LEGS,
@@ -215,6 +215,12 @@ def _reference(setting: _Setting) -> int:
     return cell_at(setting.cells, place)
 
 
+def _slower(main: _Setting, setting: _Setting) -> float:
+    """By how much a setting's vibration is slower than that of the one tuned at [1]."""
+    fast, slow = (each.cells[_reference(each)].frequency for each in (main, setting))
+    return fast / slow
+
+
 def _seen(setting: _Setting, *, count: int, seed: int) -> _Seen:
     legs, inside = legs_anywhere(setting.cells, setting.robots, count=count, seed=seed)
     return _Seen(legs, inside, runs(legs, plain_law()))
@@ -222,13 +228,11 @@ def _seen(setting: _Setting, *, count: int, seed: int) -> _Seen:
 
 def _optimum(main: _Setting, within: Admissible, effort: Effort, progress: Progress) -> Optimum:
     seen = _seen(main, count=effort.legs, seed=_SEARCHED)
-    reference = main.cells[_reference(main)].frequency
     return optimise(
         seen.legs,
         within,
         before=seen.before,
-        frequency=reference,
-        pace=reference / np.array([main.cells[cell].frequency for cell in seen.cells]),
+        frequency=main.cells[_reference(main)].frequency,
         effort=effort,
         progress=progress,
     )
@@ -238,7 +242,7 @@ def _never_worse(
     settings: list[_Setting], main: _Setting, optimum: Optimum
 ) -> tuple[PD, list[RegionalShaper], PredictedLegs]:
     """Shapers for the optimised gains, or for those of Eq. (25) where these are worse."""
-    frequency = main.cells[_reference(main)].frequency
+    own = [scaled(optimum.shaper, _slower(main, setting)) for setting in settings]
     into = [
         legs_into(setting.cells, setting.robots, count=LEGS, seed=_CHOSEN)
         for setting in settings
@@ -246,12 +250,12 @@ def _never_worse(
     plain = [[runs(part, plain_law()) for part in parts] for parts in into]
     seen = _seen(main, count=PREDICTED, seed=_TOLD)
     for controller in (optimum.controller, published_pd()):
-        tried = candidates(main.cells, optimum.shaper, frequency)
-        names = _best_kinds(main, seen, controller, tried)
+        every = candidates(main.cells, optimum.shaper)
+        names = _best_kinds(main, seen, controller, every)
         shapers = []
-        for setting, parts, before in zip(settings, into, plain, strict=True):
-            own = candidates(setting.cells, optimum.shaper, frequency).only(names)
-            shapers += choose(setting.cells, parts, before, controller, own)
+        for setting, parts, before, shaper in zip(settings, into, plain, own, strict=True):
+            tried = candidates(setting.cells, shaper).only(names)
+            shapers += choose(setting.cells, parts, before, controller, tried)
         legs = _predicted(main, seen, controller, shapers)
         if _is_no_worse(shapers, legs):
             break
