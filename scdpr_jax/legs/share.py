@@ -25,7 +25,7 @@ def share(
     # A micrometre is nothing, and its logarithm would be all.
     ratio = np.maximum(vibration, 1e-6) / np.where(counts, plain, 1.0)
     log = np.sum(np.where(counts, np.log(ratio), 0.0), axis=-1)
-    return np.exp(log / np.maximum(counts.sum(axis=-1), 1))
+    return np.asarray(np.exp(log / np.maximum(counts.sum(axis=-1), 1)))
 
 
 def worse(
@@ -40,4 +40,4 @@ def worse(
     Returns:
         Share of the legs [1].
     """
-    return np.mean((vibration > COUNTS) & (vibration > _MORE * plain), axis=-1)
+    return np.asarray(np.mean((vibration > COUNTS) & (vibration > _MORE * plain), axis=-1))

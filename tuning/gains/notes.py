@@ -6,12 +6,20 @@ import numpy as np
 
 from tuning.gains.regional import NONE
 from tuning.regions.cells import Frequencies, other_modes
-from tuning.result.prediction import PredictedLegs
+from tuning.result.prediction import PredictedLegs, Prediction
 from tuning.result.regional_shaper import RegionalShaper
 from tuning.result.tuning import FittedSetting
 
 LITTLE = 0.6
 """Share of the vibration from which gains and shapers are said to gain little [1]."""
+_JUDGED = {
+    "residual_vibration": "residual vibration",
+    "resting_error": "resting error",
+    "largest_error": "largest error against the commanded reference",
+    "rms_error": "rms error against the commanded reference",
+    "largest_original_error": "largest error against the unshaped reference (a shaper delays)",
+}
+"""Metrics that a note tells of where they became worse, by their field's name."""
 
 
 def notes_of(
@@ -19,6 +27,7 @@ def notes_of(
     fitted: Sequence[FittedSetting],
     shapers: Sequence[RegionalShaper],
     legs: PredictedLegs,
+    predicted: Sequence[Prediction],
 ) -> tuple[str, ...]:
     """The notes of a tuning.
 
@@ -27,11 +36,17 @@ def notes_of(
         fitted: The robot at every setting.
         shapers: The regions' shapers.
         legs: What they are predicted to do.
+        predicted: The manoeuvres before and after.
 
     Returns:
         Sentences.
     """
-    return (*_other_modes(knocks, fitted), *_modelled(shapers), *_gain(shapers, legs))
+    return (
+        *_other_modes(knocks, fitted),
+        *_modelled(shapers),
+        *_gain(shapers, legs),
+        *_worse(predicted),
+    )
 
 
 def _other_modes(knocks: Frequencies, fitted: Sequence[FittedSetting]) -> list[str]:
@@ -62,7 +77,7 @@ def _gain(shapers: Sequence[RegionalShaper], legs: PredictedLegs) -> list[str]:
     left, worst = (round(100 * number) for number in (legs.share, legs.worst_share))
     notes = [
         f"Over {count} random legs gains and shapers are predicted to leave {left} % of the "
-        f"vibration under Eq. (25), {worst} % where the robot is the one that they serve worst; "
+        f"vibration under Eq. (25), {worst} % of that of the robot that they serve worst; "
         f"{worse} of the legs shake more than before. The robot rests {resting[1]:.1f} mm from "
         f"its target where it rested {resting[0]:.1f} mm (median). Legs arrive up to "
         f"{longer:.2f} s later."
@@ -74,4 +89,18 @@ def _gain(shapers: Sequence[RegionalShaper], legs: PredictedLegs) -> list[str]:
             "from the carriages' friction, where the upper one breaks away and sticks, which "
             "no shaper undoes. A planned leg (`scdpr plan`) leaves less."
         )
+    return notes
+
+
+def _worse(predicted: Sequence[Prediction]) -> list[str]:
+    """What a manoeuvre pays for the rest."""
+    notes = []
+    for prediction in predicted:
+        worse = [
+            words
+            for name, words in _JUDGED.items()
+            if getattr(prediction.after, name) > getattr(prediction.before, name)
+        ]
+        if worse:
+            notes.append(f"{prediction.name}: worse than before in {', '.join(worse)}.")
     return notes

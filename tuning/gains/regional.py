@@ -15,10 +15,10 @@ from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.legs.random_legs import random_legs
 from scdpr_jax.legs.share import share
 from scdpr_jax.native import kept_jit
-from scdpr_jax.robot.parameters import Robot
 from tuning.gains.legs import IMPULSES, Law, Legs, at_period, joined, legs_of, runs
 from tuning.gains.loss import loss
-from tuning.regions.cells import Cell, robot_in
+from tuning.gains.possible_robots import PossibleRobot
+from tuning.regions.cells import Cell
 from tuning.regions.residual_map import worst_in_band
 from tuning.result.regional_shaper import RegionalShaper, ResidualVibration
 from tuning.shapers.catalogue import CATALOGUE
@@ -99,7 +99,7 @@ def cell_at(cells: Sequence[Cell], place: Float[np.ndarray, "2"]) -> int:
 
 
 def legs_into(
-    cells: Sequence[Cell], robots: Sequence[Robot], *, count: int, seed: int
+    cells: Sequence[Cell], robots: Sequence[PossibleRobot], *, count: int, seed: int
 ) -> list[Legs]:
     """Random legs that end in each cell, of robots that have the cell's frequency.
 
@@ -115,13 +115,15 @@ def legs_into(
     parts = []
     for number, cell in enumerate(cells):
         region = cell.region
-        drawn = random_legs(robots[0].frame, count, seed=seed + number, x=region.x, y=region.y)
-        parts.append(legs_of([robot_in(cell, robot) for robot in robots], drawn))
+        drawn = random_legs(
+            robots[0].drawn.frame, count, seed=seed + number, x=region.x, y=region.y
+        )
+        parts.append(legs_of([robot.inside(cell) for robot in robots], drawn))
     return parts
 
 
 def legs_anywhere(
-    cells: Sequence[Cell], robots: Sequence[Robot], *, count: int, seed: int
+    cells: Sequence[Cell], robots: Sequence[PossibleRobot], *, count: int, seed: int
 ) -> tuple[Legs, list[int]]:
     """Random legs over the workspace.
 
@@ -135,10 +137,10 @@ def legs_anywhere(
         The legs, of robots that have the frequency of the cell that they end in, and the
         number of that cell for each.
     """
-    drawn = random_legs(robots[0].frame, count, seed=seed)
+    drawn = random_legs(robots[0].drawn.frame, count, seed=seed)
     inside = [cell_at(cells, end) for end in drawn.end]
     every = {
-        (cell, k): robot_in(cells[cell], robots[k])
+        (cell, k): robots[k].inside(cells[cell])
         for cell in set(inside)
         for k in range(len(robots))
     }

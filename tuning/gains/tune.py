@@ -19,7 +19,7 @@ from tuning.gains.loss import loss
 from tuning.gains.manoeuvre import HEIGHT, LEG_TIMES, SPAN, predict, prediction_preparations
 from tuning.gains.notes import notes_of
 from tuning.gains.optimise import Effort, Optimum, optimise, scaled
-from tuning.gains.possible_robots import Draws, possible_robots
+from tuning.gains.possible_robots import Draws, PossibleRobot, possible_robots
 from tuning.gains.regional import (
     LEGS,
     Candidates,
@@ -80,7 +80,7 @@ class _Setting(NamedTuple):
     """A pretension with its robots and cells."""
 
     fitted: FittedSetting
-    robots: tuple[Robot, ...]
+    robots: tuple[PossibleRobot, ...]
     cells: tuple[Cell, ...]
 
 
@@ -138,6 +138,7 @@ def tune(
     controller, shapers, legs = _never_worse(settings, main, optimum)
     progress("manoeuvres before and after", 0.9)
     here = next(s for s in shapers if s.region == main.cells[_reference(main)].region)
+    predicted = predict(main.fitted.robot, controller, here.shaper, leg_times=leg_times)
     fitted = tuple(setting.fitted for setting in settings)
     drive = main.fitted.robot.drive
     plant = MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive))
@@ -145,10 +146,10 @@ def tune(
         controller=controller,
         margins=sampled_margins(plant, controller),
         shapers=tuple(shapers),
-        predicted=predict(main.fitted.robot, controller, here.shaper, leg_times=leg_times),
+        predicted=predicted,
         robots=fitted,
         worst_margins=worst_margins(margin_map(fitted, controller)),
-        notes=notes_of(knocks, fitted, shapers, legs),
+        notes=notes_of(knocks, fitted, shapers, legs, predicted),
         legs=legs,
         caution=caution,
     )

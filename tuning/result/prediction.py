@@ -81,6 +81,9 @@ class PredictedLegs:
     robots: int
     """How many robots the legs were shared out to, one after the other."""
 
+    def __len__(self) -> int:
+        return len(self.after.vibration)
+
     @property
     def share(self) -> float:
         """What is left of the vibration, geometric mean, see `scdpr_jax.legs.share` [1]."""
