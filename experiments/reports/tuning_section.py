@@ -58,6 +58,7 @@ def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
     tables = (
         _gains(tuning),
         table_of("Shapers, for legs that end in the region", shapers),
+        _legs(tuning),
         _predicted(tuning),
     )
     return tuple(table for table in tables if table.rows)
@@ -91,11 +92,38 @@ def _shaper(regional: RegionalShaper) -> dict[str, str]:
         "frequency [Hz]": short(regional.frequency, 4),
         "band [Hz]": f"{short(regional.band[0], 4)} … {short(regional.band[1], 4)}",
         "from": "knock" if regional.measured else "model",
+        "kind": regional.kind or "–",
+        "left of legs": "–" if regional.share is None else percent(regional.share),
         "times [ms]": ", ".join(short(1e3 * float(time), 3) for time in times),
         "amplitudes [1]": ", ".join(short(float(share), 3) for share in amplitudes),
         "left, nominal": percent(regional.residual_vibration.nominal),
         "worst": percent(regional.residual_vibration.worst),
     }
+
+
+def _legs(tuning: Tuning) -> Table:
+    """Random legs before and after, leg for leg alike."""
+    title = "Random legs over the workspace, on robots as they might be"
+    if tuning.legs is None:
+        return table_of(title, ())
+    sides = (("Eq. (25), plain", tuning.legs.before), ("gains and shapers", tuning.legs.after))
+    return table_of(
+        title,
+        (
+            {
+                "command": name,
+                **{
+                    f"{what} [mm], {which}": plain(1e3 * float(np.quantile(values, at)), 3)
+                    for what, values in (
+                        ("vibration", outcome.vibration),
+                        ("resting error", outcome.resting_error),
+                    )
+                    for which, at in (("median", 0.5), ("nine of ten", 0.9), ("worst", 1.0))
+                },
+            }
+            for name, outcome in sides
+        ),
+    )
 
 
 _COMPARED = (

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from experiments.studies.findings.findings import Findings, findings
+from experiments.studies.posterior import draws_of
 from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured
@@ -16,7 +17,8 @@ from identification.result.estimate import Estimate
 from identification.result.estimation import estimate
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.prototype import consistent
-from tuning.gains.optimise import LEG_TIMES, Effort
+from tuning.gains.manoeuvre import LEG_TIMES
+from tuning.gains.optimise import Effort
 from tuning.gains.tune import preparations, tune
 
 
@@ -67,7 +69,7 @@ def calibrate(
             `held_out_by_default`.
         measured: What was measured otherwise.
         clock_drifts: Whether the cameras' clocks may drift.
-        leg_times: Times of a leg that the tuning is made for [s].
+        leg_times: Times of a leg of the manoeuvre that is simulated with the tuning [s].
         effort: How much is spent on the tuning.
         force: Whether to tune even if the fit has failed.
         fitted: Told the estimate as soon as there is one, while gains are sought.
@@ -104,6 +106,7 @@ def calibrate(
             tuned = tune(
                 found,
                 frequencies,
+                draws=draws_of(found.fitted),
                 leg_times=leg_times,
                 effort=effort,
                 force=force,

@@ -1,5 +1,7 @@
 """Robots as they might be: drawn from what a fit says about its parameters."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 from jaxtyping import Float
 
@@ -32,6 +34,22 @@ def draw(
     """
     samples = _errors(fitted).draw(count, seed=seed)
     return [robot for row in samples for robot in _at_settings(fitted, row, settings)]
+
+
+def draws_of(
+    fitted: FittedRobot, *, count: int = 4, seed: int = 1
+) -> Callable[[float], Sequence[Robot]]:
+    """Samples of a fitted robot at whatever setting is asked for, the same ones at each.
+
+    Args:
+        fitted: The fitted robot.
+        count: How many samples.
+        seed: Of the random numbers.
+
+    Returns:
+        From a nominal pretension [N] to the robots.
+    """
+    return lambda setting: draw(fitted, (setting,), count=count, seed=seed)
 
 
 def at_settings(fitted: FittedRobot, settings: tuple[float, ...]) -> list[Robot]:

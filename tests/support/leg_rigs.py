@@ -148,6 +148,17 @@ def plain_profile(leg: RandomLeg, period: float, duration: float) -> np.ndarray:
     return np.array(leg.start) + smooth[:, None] * (np.array(leg.end) - np.array(leg.start))
 
 
+def shaped_profile(
+    leg: RandomLeg, times: np.ndarray, amplitudes: np.ndarray, period: float = 1e-3
+) -> np.ndarray:
+    """The profile of Eq. (26) convolved with impulses, until it ends: rows of [x, y] [m]."""
+    times, amplitudes = np.asarray(times), np.asarray(amplitudes)
+    instants = period * np.arange(round((leg.time + times[-1]) / period) + 1)
+    share = np.clip((instants[:, None] - times) / leg.time, 0, 1)
+    smooth = (share**2 * (3 - 2 * share)) @ amplitudes
+    return np.array(leg.start) + smooth[:, None] * (np.array(leg.end) - np.array(leg.start))
+
+
 def pulleys(places: np.ndarray) -> np.ndarray:
     """Reference angles of the driver pulleys for places of the end-effector [rad], Eq. (3)."""
     along, up = (places - places[0]).T

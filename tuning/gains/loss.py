@@ -1,47 +1,61 @@
-"""How far a leg is from what is wanted of it, as one number to search by.
+r"""What is left of the plain profile's vibration, over many legs, as one number to search by.
 
-Vibration alone would be bought with tracking: soft gains shake little and follow badly. So the
-errors are held where the plain PD has them by terms that are zero below and steep above, and
-only the vibration is asked to fall.
+A leg counts by the ratio of its vibration to that of the same robot's under Eq. (25) without a
+shaper, and legs count alike, so that it is their geometric mean that falls. Vibration alone
+would be bought with the place where the robot rests: soft gains and a slow end leave the upper
+carriage further behind. So the resting error is held where the plain profile has it, by a term
+that is zero below and steep above, and so is each leg's vibration. Errors on the way aren't:
+legs that are to be still at their end may follow later.
 """
 
-import jax.numpy as jnp
-from jaxtyping import Array, Float
+import numpy as np
+from jaxtyping import Float
 
 from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.legs.share import COUNTS
+
+_UNSEEN = 0.3e-3
+"""Vibration below which less is no better [m]."""
+_LEAST = 0.05
+"""Least ratio that counts [1]: one perfect leg doesn't make up for a bad one."""
+_WORSE = 2.0
+"""Weight of what is above the plain profile's vibration [1]."""
+_RESTING = 3.0
+"""Weight of resting further from the target [1]."""
 
 
-def loss(
-    measures: LegMeasures, baseline: LegMeasures, *, target: float = 0.35
-) -> Float[Array, ""]:
-    r"""How far a run is from what is wanted of it, each metric over its baseline's.
+def loss(after: LegMeasures, before: LegMeasures) -> Float[np.ndarray, "..."]:
+    r"""How far laws are from what is wanted of them.
 
-    The vibration counts throughout, and four times above the target share; the resting error
-    and that of Eq. (26) count where they come near the baseline's or exceed it, a millimetre
-    further from the target as much as one and a half of vibration.
+    $$ \overline{\log r} + 2\,\overline{\max(r - 1, 0)} + 3 \max(R - 1, 0) $$
+
+    with $r$ the ratios of vibrations and $R$ that of the mean resting errors.
 
     Args:
-        measures: Measures of the run.
-        baseline: Those of the same manoeuvre with the PD of Eq. (25) alone.
-        target: Share of the baseline's vibration that is to be left at most [1].
+        after: Measures under the laws, the legs along the last axis.
+        before: Those of the same legs under Eq. (25) alone.
 
     Returns:
-        Loss [1].
+        Loss of each law [1]; 0 for the plain profile, negative for less vibration.
     """
-    # A capped share keeps one bad leg from hiding what another does.
-    capped = 3 * jnp.tanh(measures.smooth_vibration / baseline.smooth_vibration / 3)
-    # Where friction leaves the robot is a matter of luck, and the baseline may have had it: its
-    # resting error is no measure of its own growth.
-    size = jnp.maximum(baseline.smooth_vibration, 1e-3)
-    further = (measures.resting_error - 0.93 * baseline.resting_error) / size
-    tracking = measures.largest_error / baseline.largest_error
-    return (
-        capped
-        + 3 * _above(capped, target)
-        + 6 * _above(further, 0.0)
-        + 8 * _above(tracking, 0.97)
+    ratio = ratios(after, before)
+    resting = after.resting_error.mean(axis=-1) / before.resting_error.mean(axis=-1)
+    return np.asarray(
+        np.log(ratio).mean(axis=-1)
+        + _WORSE * np.maximum(ratio - 1, 0).mean(axis=-1)
+        + _RESTING * np.maximum(resting - 1, 0)
     )
 
 
-def _above(share: Float[Array, ""], limit: float) -> Float[Array, ""]:
-    return jnp.maximum(share - limit, 0.0)
+def ratios(after: LegMeasures, before: LegMeasures) -> Float[np.ndarray, "..."]:
+    """Vibrations over the plain profile's, leg by leg.
+
+    Args:
+        after: Measures under the laws.
+        before: Those of the same legs under Eq. (25) alone.
+
+    Returns:
+        Ratios [1]; where both are too small to be seen there is little to tell.
+    """
+    vibration = np.maximum(after.residual_vibration, _UNSEEN)
+    return np.maximum(vibration / np.maximum(before.residual_vibration, COUNTS), _LEAST)

@@ -1,176 +1,113 @@
-"""The horizontal manoeuvre of Table 3, out and back under control: one, and many at once."""
+"""The horizontal manoeuvre of Table 3, out and back, simulated before and after tuning."""
 
-import equinox as eqx
+from collections.abc import Callable, Iterator
+
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, PyTree
+from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD, published_pd
-from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.command.shaper import Shaper, padded
 from scdpr_jax.command.trajectory import Manoeuvre, rest_to_rest
-from scdpr_jax.legs.command_law import CommandLaw
-from scdpr_jax.legs.ensemble import Ensemble
-from scdpr_jax.legs.leg import Leg, run_leg
-from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.legs.command_law import CommandLaw, unshaped
+from scdpr_jax.legs.ensemble import Ensemble, single
+from scdpr_jax.legs.leg import Leg, leg_of, run_leg
 from scdpr_jax.native import kept_jit
-from scdpr_jax.robot.fields import si
-from tuning.gains.design import LONGEST_GAP
-from tuning.gains.loss import loss
+from scdpr_jax.robot.parameters import Robot
+from tuning.gains.design import LONGEST
+from tuning.gains.legs import IMPULSES
+from tuning.result.prediction import Metrics, Prediction
 
-LANES = 96
-"""Manoeuvres simulated side by side."""
+LEG_TIMES = (2.0, 4.0)
+"""Times of a leg that are simulated [s]: what the rigs run the horizontal manoeuvre of Table 3
+with (only that gives the paper's 50 mm), and what the table's letter says."""
 HOLD = 1.0
-"""Time that is looked at after the slowest manoeuvre [s]: three periods of 3 Hz."""
-COARSE_PERIOD = 2e-3
-"""Sample period of a search [s]; its result is simulated at the controller's own."""
+"""Time that is looked at after the manoeuvre [s]: three periods of 3 Hz."""
+SPAN = (0.3 / 2.224, 1.9 / 2.224)
+"""Ends of the manoeuvre, as shares of the frame's width [1]."""
+HEIGHT = 0.55 / 1.112
+"""Its height, as a share of the frame's [1]."""
 
 
-class Task(eqx.Module):
-    """Robots at rest and the manoeuvre that they are tuned on, out and back."""
-
-    ensemble: Ensemble
-    """The robots as they are in the cell, where the manoeuvre begins and ends."""
-    turn: Float[Array, "... 2"] = eqx.field(metadata=si("m"))
-    """Position in between [m]."""
-
-
-def track(
-    task: Task, controller: PD, shaper: Shaper, leg_time: Float[Array, ""], *, samples: int
-) -> Leg:
-    """A horizontal manoeuvre out and back under control.
+def predict(
+    robot: Robot,
+    controller: PD,
+    shaper: Shaper,
+    *,
+    leg_times: tuple[float, ...] = LEG_TIMES,
+) -> tuple[Prediction, ...]:
+    """The manoeuvre at the controllers' own rate, before and after.
 
     Args:
-        task: The robot and the manoeuvre's poses.
-        controller: The controller.
-        shaper: The impulses, applied to the manoeuvre as a whole.
-        leg_time: Time of a leg [s].
-        samples: Samples at the controller's period, beyond the manoeuvre's end.
+        robot: The fitted robot.
+        controller: The tuned gains.
+        shaper: The shaper where the manoeuvre ends.
+        leg_times: Times of a leg [s].
 
     Returns:
-        The run.
+        A prediction for each time.
     """
-    start = task.ensemble.position
-    out = rest_to_rest(start, task.turn, duration=leg_time)
-    back = rest_to_rest(task.turn, start, duration=leg_time)
-    law = CommandLaw(Manoeuvre((out, back), 0.0), controller, shaper)
-    return run_leg(task.ensemble.robot, task.ensemble.start, law.commands(samples))
+    laws = (published_pd(), unshaped()), (controller, shaper)
+    predictions = []
+    for leg_time in leg_times:
+        (before, run_before), (after, run_after) = (
+            _simulated(robot, *law, leg_time, longest=max(leg_times)) for law in laws
+        )
+        name = f"horizontal manoeuvre, {leg_time:g} s a leg"
+        predictions.append(Prediction(name, before, after, run_before, run_after))
+    return tuple(predictions)
 
 
-def samples_for(leg_time: float, period: float) -> int:
-    """Samples of a manoeuvre with the longest shaper and `HOLD` after it.
+def prediction_preparations(
+    robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES
+) -> Iterator[Callable[[], None]]:
+    """What compiles what `predict` needs for any robot.
 
     Args:
-        leg_time: Time of a leg [s].
-        period: Sample period [s].
+        robot: A robot.
+        leg_times: Times of a leg that will be simulated [s].
 
-    Returns:
-        Their number.
+    Yields:
+        Functions that may be called in any order, and side by side.
     """
-    return round((2 * leg_time + 3 * LONGEST_GAP + HOLD) / period) + 1
+
+    def one() -> None:
+        _simulated(robot, published_pd(), unshaped(), leg_times[0], longest=max(leg_times))
+
+    yield one
 
 
-@jax.jit
-def losses(measures: LegMeasures, baseline: LegMeasures) -> Float[Array, "..."]:
-    """Losses of many runs.
-
-    Args:
-        measures: Measures of the runs, in any shape.
-        baseline: Those of Eq. (25)'s PD alone, in a shape that broadcasts to theirs.
-
-    Returns:
-        The loss of each, see `tuning.gains.loss.loss`.
-    """
-    shape = measures.residual_vibration.shape
-    flat, against = (
-        jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, shape).reshape(-1), each)
-        for each in (measures, baseline)
+def _simulated(
+    robot: Robot, controller: PD, shaper: Shaper, leg_time: float, *, longest: float
+) -> tuple[Metrics, Leg]:
+    # As many samples for every leg time, so that it compiles once; the rest is cut off.
+    most, samples = (_samples_for(t, float(controller.period)) for t in (longest, leg_time))
+    start, turn = (
+        jnp.asarray([share * float(robot.frame.width), HEIGHT * float(robot.frame.height)])
+        for share in SPAN
     )
-    return jax.vmap(loss)(flat, against).reshape(shape)
+    told = controller, padded(shaper, IMPULSES), jnp.asarray(leg_time)
+    run = leg_of(_run(single(robot, start), turn, *told, most))
+    return Metrics.of(run.measures), run.until(samples)
 
 
-def runs(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> LegMeasures:
-    """Measures of many manoeuvres at the search's period.
-
-    They are run in chunks of `LANES`, so that each leg time is compiled once.
-
-    Args:
-        tasks: Robots and poses, one for each run.
-        controllers: Controllers at `COARSE_PERIOD`, one for each run or a single one.
-        shapers: Shapers, likewise.
-        leg_time: Time of a leg [s].
-
-    Returns:
-        The measures of each run.
-    """
-    chunks = _chunks(tasks, controllers, shapers)
-    parts = zip(*(_chunk(*chunk, leg_time) for chunk in chunks), strict=True)
-    return LegMeasures(*(np.concatenate(part)[: len(tasks.ensemble)] for part in parts))
-
-
-def compile_runs(tasks: Task, controllers: PD, shapers: Shaper, leg_time: float) -> None:
-    """Compiles what `runs` needs for such arguments, of any number.
-
-    Args:
-        tasks: Robots and poses.
-        controllers: Controllers.
-        shapers: Shapers.
-        leg_time: Time of a leg [s].
-    """
-    _chunk.compile(*_chunks(tasks, controllers, shapers)[0], leg_time)
-
-
-def _chunks(tasks: Task, controllers: PD, shapers: Shaper) -> list[tuple[Task, PD, Shaper]]:
-    """Runs in chunks of `LANES`; the last one is filled up with the first run."""
-    count = len(tasks.ensemble)
-    rows = np.resize(np.arange(count), count + -count % LANES)
-    rows[count:] = 0
-
-    def spread(leaf: Array, single: int) -> np.ndarray:
-        numbers = np.asarray(leaf)
-        return numbers[rows] if leaf.ndim > single else np.stack([numbers] * len(rows))
-
-    lanes = (
-        jax.tree.map(lambda leaf: np.asarray(leaf)[rows], tasks),
-        jax.tree.map(lambda leaf: spread(leaf, 0), controllers),
-        jax.tree.map(lambda leaf: spread(leaf, 1), shapers),
-    )
-    return [
-        jax.tree.map(lambda leaf, first=first: leaf[first : first + LANES], lanes)
-        for first in range(0, len(rows), LANES)
-    ]
+def _samples_for(leg_time: float, period: float) -> int:
+    """Samples of a manoeuvre with the longest shaper and `HOLD` after it."""
+    return round((2 * leg_time + LONGEST + HOLD) / period) + 1
 
 
 @kept_jit
-def _chunk(
-    tasks: Task, controllers: PD, shapers: Shaper, leg_time: float
-) -> list[Float[Array, " lanes"]]:
-    """The fields of `LegMeasures`."""
-    samples, leg = samples_for(leg_time, COARSE_PERIOD), jnp.asarray(leg_time)
-
-    def lane(*own: PyTree) -> list[Float[Array, ""]]:
-        return jax.tree.leaves(track(*own, leg, samples=samples).measures)
-
-    return jax.vmap(lane)(tasks, controllers, shapers)
-
-
-def alone() -> PD:
-    """The PD of Eq. (25) at the search's period.
-
-    Returns:
-        The controller.
-    """
-    return at_period(COARSE_PERIOD, published_pd())
-
-
-def at_period(period: float, controller: PD) -> PD:
-    """A controller's gains at another sample period.
-
-    Args:
-        period: The period [s].
-        controller: The controller.
-
-    Returns:
-        The controller.
-    """
-    return PD(controller.proportional_gain, controller.derivative_gain, period)
+def _run(
+    robot: Ensemble,
+    turn: Float[Array, "2"],
+    controller: PD,
+    shaper: Shaper,
+    leg_time: Float[Array, ""],
+    samples: int,
+) -> list[Float[Array | np.ndarray, "..."]]:
+    """The arrays of a leg."""
+    out = rest_to_rest(robot.position, turn, duration=leg_time)
+    back = rest_to_rest(turn, robot.position, duration=leg_time)
+    law = CommandLaw(Manoeuvre((out, back), 0.0), controller, shaper)
+    return jax.tree.leaves(run_leg(robot.robot, robot.start, law.commands(samples)))

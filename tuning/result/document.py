@@ -19,6 +19,7 @@ from scdpr_jax.robot.quantities import EVERY_QUANTITY, QUANTITIES, quantity, rep
 from scdpr_jax.robot.stated.ranges import check_robot
 from tuning.loop.margins import Margins
 from tuning.loop.worst_margins import WorstMargin
+from tuning.result.legs_in_files import LegsInFile, legs_document
 from tuning.result.numbers_in_files import (
     Newtons,
     SamplePeriod,
@@ -75,6 +76,7 @@ def tuning_document(tuning: Tuning) -> str:
             }
             for prediction in tuning.predicted
         },
+        "legs": None if tuning.legs is None else legs_document(tuning.legs),
         "notes": list(tuning.notes),
     }
     if tuning.caution:
@@ -130,6 +132,7 @@ def read_tuning(path: pathlib.Path) -> Tuning:
             for worst in gains.margins.flexible
         ),
         notes=document.notes,
+        legs=None if document.legs is None else document.legs.build(),
         caution=document.caution,
     )
 
@@ -151,6 +154,8 @@ def _shaper(regional: RegionalShaper) -> dict[str, Any]:
         "band": list(regional.band),
         "damping_ratio": regional.damping_ratio,
         "measured": regional.measured,
+        "kind": regional.kind,
+        "share": regional.share,
     }
 
 
@@ -228,6 +233,8 @@ class _Shaper(JsonObject):
     band: Span
     damping_ratio: pydantic.NonNegativeFloat
     measured: bool
+    kind: str = ""
+    share: pydantic.NonNegativeFloat | None = None
 
     @pydantic.model_validator(mode="after")
     def _is_a_shaper(self) -> "_Shaper":
@@ -246,6 +253,8 @@ class _Shaper(JsonObject):
             damping_ratio=self.damping_ratio,
             measured=self.measured,
             residual_vibration=ResidualVibration(**self.residual_vibration.model_dump()),
+            kind=self.kind,
+            share=self.share,
         )
 
 
@@ -294,5 +303,6 @@ class _Document(JsonObject):
     shapers: list[_Shaper]
     predicted: dict[str, _Pair]
     robots: tuple[_Robot, ...] = ()
+    legs: LegsInFile | None = None
     notes: tuple[str, ...] = ()
     caution: str = ""

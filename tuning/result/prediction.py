@@ -1,9 +1,13 @@
-"""What a tuning is predicted to do: manoeuvres simulated before and after."""
+"""What a tuning is predicted to do: random legs and manoeuvres simulated before and after."""
 
 import dataclasses
 
+import numpy as np
+from jaxtyping import Float
+
 from scdpr_jax.legs.leg import Leg
 from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.legs.share import share, worse
 from scdpr_jax.robot.fields import si
 
 
@@ -54,3 +58,47 @@ class Prediction:
     """Traces before; None in a tuning that was read from a file."""
     run_after: Leg | None = None
     """Traces after; None in a tuning that was read from a file."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class LegsOutcome:
+    """What random legs come to under one command law."""
+
+    vibration: Float[np.ndarray, " legs"] = dataclasses.field(metadata=si("m"))
+    """Peak to peak of $x_e$ after each leg [m]."""
+    resting_error: Float[np.ndarray, " legs"] = dataclasses.field(metadata=si("m"))
+    """Distance from the target to where the end-effector rests [m]."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PredictedLegs:
+    """Random legs over the workspace on robots as they might be, before and after tuning."""
+
+    before: LegsOutcome
+    """With the PD of Eq. (25) and the plain profile."""
+    after: LegsOutcome
+    """With the tuned gains and the shapers."""
+    robots: int
+    """How many robots the legs were shared out to, one after the other."""
+
+    def __len__(self) -> int:
+        return len(self.after.vibration)
+
+    @property
+    def share(self) -> float:
+        """What is left of the vibration, geometric mean, see `scdpr_jax.legs.share` [1]."""
+        return float(share(self.after.vibration, self.before.vibration))
+
+    @property
+    def worst_share(self) -> float:
+        """The share of the robot that is left with most [1]."""
+        after, before = self.after.vibration, self.before.vibration
+        return max(
+            float(share(after[k :: self.robots], before[k :: self.robots]))
+            for k in range(self.robots)
+        )
+
+    @property
+    def worse(self) -> float:
+        """Share of the legs that shake more than before [1]."""
+        return float(worse(self.after.vibration, self.before.vibration))

@@ -65,3 +65,8 @@ class RegionalShaper:
     """Whether the frequency was measured in the region; otherwise it is the model's."""
     residual_vibration: ResidualVibration
     """What the shaper leaves of the linear mode that is held by friction."""
+    kind: str = ""
+    """Its name in the catalogue, `own` or `none`; empty if unknown."""
+    share: float | None = dataclasses.field(default=None, metadata=si("1"))
+    """What gains and shaper are predicted to leave of the vibration of Eq. (25), geometric mean
+    over random legs that end in the region, with friction [1]; None if unknown."""

@@ -7,7 +7,7 @@ from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from tuning.loop.margins import Margins
 from tuning.loop.worst_margins import WorstMargin
-from tuning.result.prediction import Prediction
+from tuning.result.prediction import PredictedLegs, Prediction
 from tuning.result.regional_shaper import RegionalShaper
 
 CAUTION = (
@@ -45,6 +45,8 @@ class Tuning:
     """Worst margins of the flexible robot's loops over the workspace; empty if unknown."""
     notes: tuple[str, ...] = ()
     """What a reader should know, in whole sentences."""
+    legs: PredictedLegs | None = None
+    """Random legs simulated before and after; None if unknown."""
     caution: str = ""
     """`CAUTION` where the fit that it is made from has failed, else empty."""
 
@@ -65,6 +67,11 @@ class Tuning:
             f"{1e3 * prediction.after.residual_vibration:.3g} mm after"
             for prediction in self.predicted
         ]
+        if self.legs is not None:
+            count, left = len(self.legs.after.vibration), 100 * self.legs.share
+            lines.append(
+                f"  {count} random legs: {left:.3g} % of the vibration left (predicted)"
+            )
         lines += [f"  {note}" for note in (self.caution, *self.notes) if note]
         return "\n".join(lines)
 

@@ -146,7 +146,12 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
             f"{plain(1e3 * before.largest_error)} mm before, "
             f"{plain(1e3 * after.largest_error)} mm after (simulated)."
         )
-    ringing = [r for r in tuning.shapers if r.residual_vibration.nominal > _MUCH]
+    # What legs with friction were predicted to leave says more than a linear mode does.
+    ringing = [
+        regional
+        for regional in tuning.shapers
+        if regional.share is None and regional.residual_vibration.nominal > _MUCH
+    ]
     if ringing:
         sentences.append(
             f"In {len(ringing)} of {len(tuning.shapers)} regions the shaper leaves more than "

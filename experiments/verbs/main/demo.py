@@ -23,7 +23,8 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
     from experiments.studies.pipeline import calibrate
     from experiments.virtual_rig import rig
     from identification.campaign import read_campaign, write_campaign
-    from tuning.gains.optimise import LEG_TIMES, Effort
+    from tuning.gains.manoeuvre import LEG_TIMES
+    from tuning.gains.optimise import Effort
 
     logs = out / "campaign"
     if logs.exists():
@@ -38,11 +39,11 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         write_campaign(made.with_runs(rig.DEMONSTRATED), logs)
         read = read_campaign(logs)
         pictures = FitPictures(read, truth=truth.values, draw=draw)
-        # One leg time and no descent: a demonstration has to be quick.
+        # One leg time and half of the search: a demonstration has to be quick.
         findings = calibrate(
             read,
             leg_times=LEG_TIMES[:1],
-            effort=Effort(descents=0),
+            effort=Effort(generations=3),
             fitted=pictures.begin,
             progress=progress.part(0.2, 0.95),
         )

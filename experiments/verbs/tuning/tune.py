@@ -25,6 +25,7 @@ def tune(
     set_up()
     from experiments.reports import summary
     from experiments.reports.written_files import write_tuned
+    from experiments.studies.posterior import draws_of
     from identification.knocks.frequency_map import read_frequencies
     from identification.result.parameters_file import read_parameters
     from tuning.gains.tune import tune as design
@@ -32,7 +33,7 @@ def tune(
     fitted = read_parameters(parameters)
     measured = read_frequencies(frequencies)
     with shown_progress(ERRORS) as progress:
-        tuned = design(fitted, measured, force=force, progress=progress)
+        tuned = design(fitted, measured, draws=draws_of(fitted), force=force, progress=progress)
     written = write_tuned(out, tuned)
     status = ending(parameters, fits=fitted.fits)
     summary.show_tuning(OUT, tuned)

@@ -1,25 +1,42 @@
-import hypothesis.extra.numpy as arrays
-import jax
 import jax.numpy as jnp
+import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tuning.gains.design import IMPULSES, LONGEST_GAP, Design, middle, shaper_of, spread_of
+from tuning.gains.design import (
+    LARGEST_TAIL,
+    LONGEST,
+    SPREAD,
+    Design,
+    searched_from,
+    shaper_of,
+)
 
-NUMBERS = arrays.arrays(float, IMPULSES - 1, elements=st.floats(-20, 20))
+NUMBER = st.floats(-20, 20)
 
 
-@given(NUMBERS, NUMBERS)
-def test_whatever_the_numbers_the_shaper_is_one_of_positive_impulses(gaps, amplitudes):
-    shaper = shaper_of(Design(jnp.zeros(2), jnp.asarray(gaps), jnp.asarray(amplitudes)))
+@given(NUMBER, NUMBER, NUMBER, NUMBER)
+def test_whatever_the_numbers_the_shaper_is_two_impulses_and_a_small_last_one(
+    gap, other_gap, first, tail
+):
+    shaper = shaper_of(
+        Design(jnp.zeros(2), jnp.array([gap, other_gap]), jnp.asarray(first), jnp.asarray(tail))
+    )
     assert abs(float(jnp.sum(shaper.amplitudes)) - 1) <= 8 * jnp.finfo(float).eps
-    assert jnp.all(shaper.amplitudes > 0)
+    assert jnp.all(shaper.amplitudes[:2] >= 0)
+    assert abs(float(shaper.amplitudes[2])) <= LARGEST_TAIL
     assert float(shaper.times[0]) == 0
     assert jnp.all(jnp.diff(shaper.times) >= 0)
-    assert float(shaper.duration) <= (IMPULSES - 1) * LONGEST_GAP * (1 + 1e-12)
+    assert float(shaper.duration) <= LONGEST * (1 + 1e-12)
 
 
-def test_the_spread_has_a_row_for_every_number_of_a_design():
-    for impulses in (2, 4, 6):
-        flat, _ = jax.flatten_util.ravel_pytree(middle(impulses))
-        assert spread_of(impulses).shape == (flat.size, flat.size)
+@given(st.floats(0.3, 30.0))
+def test_a_search_begins_with_impulses_a_period_apart_where_that_is_searched(frequency):
+    times = np.asarray(shaper_of(searched_from(frequency)).times)
+    assert times[1] <= 1.1 / frequency + 0.07
+    assert abs(times[1] - 1.1 / frequency) < 1e-9 or not 2.1 < frequency < 17
+
+
+def test_every_number_of_a_design_has_a_spread():
+    assert all(np.all(np.asarray(leaf) > 0) for leaf in (SPREAD.loop, SPREAD.gaps, SPREAD.tail))
+    assert SPREAD.first > 0

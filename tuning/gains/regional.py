@@ -1,0 +1,260 @@
+"""The shaper of every region, chosen over random legs that end in it."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from scdpr_jax.command.controller import PD
+from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
+from scdpr_jax.legs.command_law import unshaped
+from scdpr_jax.legs.measures import LegMeasures
+from scdpr_jax.legs.random_legs import random_legs
+from scdpr_jax.legs.share import share
+from scdpr_jax.native import kept_jit
+from tuning.gains.legs import IMPULSES, Law, Legs, at_period, joined, legs_of, runs
+from tuning.gains.loss import loss
+from tuning.gains.possible_robots import PossibleRobot
+from tuning.regions.cells import Cell
+from tuning.regions.residual_map import worst_in_band
+from tuning.result.regional_shaper import RegionalShaper, ResidualVibration
+from tuning.shapers.catalogue import CATALOGUE
+
+OWN, NONE = "own", "none"
+"""Names of shapers that aren't the catalogue's."""
+LEGS = 12
+"""Random legs that each region's shaper is chosen over."""
+_CELLS = 8
+"""Cells whose shapers are designed in one call."""
+_FAMILIES = (NONE, *(e.name for e in CATALOGUE if e.name != "3hump_ei"))
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Candidates:
+    """Shapers to choose from, for every cell."""
+
+    names: tuple[str, ...]
+    """`OWN`, `NONE`, or names of the catalogue."""
+    shapers: tuple[tuple[Shaper, ...], ...]
+    """Those of each cell, of `IMPULSES` impulses, in the order of the names."""
+
+    def only(self, names: Sequence[str]) -> "Candidates":
+        """Some of them.
+
+        Args:
+            names: Which.
+
+        Returns:
+            These.
+        """
+        numbers = [self.names.index(name) for name in names]
+        chosen = tuple(tuple(row[k] for k in numbers) for row in self.shapers)
+        return Candidates(tuple(names), chosen)
+
+
+def candidates(cells: Sequence[Cell], own: Shaper) -> Candidates:
+    """An optimised shaper, none, and the catalogue's at each cell's frequency.
+
+    Args:
+        cells: The cells.
+        own: The optimised shaper.
+
+    Returns:
+        The candidates.
+    """
+    columns = np.array([(cell.frequency, cell.damping_ratio) for cell in cells])
+    # Some cells at a time, the first ones again at the end: one compiled function serves all.
+    rows = np.arange(len(cells) + -len(cells) % _CELLS).reshape(-1, _CELLS) % len(cells)
+    parts = [_catalogue(*columns[few].T) for few in rows]
+    times, amplitudes = (
+        np.concatenate(part)[: len(cells)] for part in zip(*parts, strict=True)
+    )
+    shapers = []
+    for number in range(len(cells)):
+        others = [Shaper(*pair) for pair in zip(times[number], amplitudes[number], strict=True)]
+        shapers.append((padded(own, IMPULSES), *others))
+    return Candidates((OWN, *_FAMILIES), tuple(shapers))
+
+
+def cell_at(cells: Sequence[Cell], place: Float[np.ndarray, "2"]) -> int:
+    """The cell that a place lies in.
+
+    Args:
+        cells: The cells.
+        place: The place [m].
+
+    Returns:
+        The cell's number.
+    """
+    x, y = place
+    return next(
+        number
+        for number, cell in enumerate(cells)
+        if cell.region.x[0] <= x <= cell.region.x[1]
+        and cell.region.y[0] <= y <= cell.region.y[1]
+    )
+
+
+def legs_into(
+    cells: Sequence[Cell], robots: Sequence[PossibleRobot], *, count: int, seed: int
+) -> list[Legs]:
+    """Random legs that end in each cell, of robots that have the cell's frequency.
+
+    Args:
+        cells: The cells.
+        robots: Robots as they might be.
+        count: Legs for each cell.
+        seed: Of the random numbers.
+
+    Returns:
+        The legs of each cell.
+    """
+    parts = []
+    for number, cell in enumerate(cells):
+        region = cell.region
+        drawn = random_legs(
+            robots[0].drawn.frame, count, seed=seed + number, x=region.x, y=region.y
+        )
+        parts.append(legs_of([robot.inside(cell) for robot in robots], drawn))
+    return parts
+
+
+def legs_anywhere(
+    cells: Sequence[Cell], robots: Sequence[PossibleRobot], *, count: int, seed: int
+) -> tuple[Legs, list[int]]:
+    """Random legs over the workspace.
+
+    Args:
+        cells: The cells.
+        robots: Robots as they might be; leg k is of robot k modulo their number.
+        count: How many.
+        seed: Of the random numbers.
+
+    Returns:
+        The legs, of robots that have the frequency of the cell that they end in, and the
+        number of that cell for each.
+    """
+    drawn = random_legs(robots[0].drawn.frame, count, seed=seed)
+    inside = [cell_at(cells, end) for end in drawn.end]
+    every = {
+        (cell, k): robots[k].inside(cells[cell])
+        for cell in set(inside)
+        for k in range(len(robots))
+    }
+    each = [every[cell, number % len(robots)] for number, cell in enumerate(inside)]
+    return legs_of(each, drawn), inside
+
+
+def choose(
+    cells: Sequence[Cell],
+    legs: Sequence[Legs],
+    before: Sequence[LegMeasures],
+    controller: PD,
+    tried: Candidates,
+) -> list[RegionalShaper]:
+    """The candidate of the least loss in each cell.
+
+    Args:
+        cells: The cells.
+        legs: Legs that end in each.
+        before: Measures of these legs under Eq. (25) alone.
+        controller: The gains.
+        tried: The candidates.
+
+    Returns:
+        A shaper for each cell.
+    """
+    rows = [
+        (part, shaper) for part, own in zip(legs, tried.shapers, strict=True) for shaper in own
+    ]
+    after = runs(joined([part for part, _ in rows]), told(controller, rows))
+    count = len(legs[0])
+    shape = len(cells), len(tried.names), count
+    each = jax.tree.map(lambda leaf: leaf.reshape(shape), after)
+    chosen = []
+    for number, cell in enumerate(cells):
+        here = jax.tree.map(lambda leaf, number=number: leaf[number], each)
+        losses = loss(here, before[number])
+        best = int(np.argmin(np.where(np.isfinite(losses), losses, np.inf)))
+        left = share(here.residual_vibration[best], before[number].residual_vibration)
+        shaper = tried.shapers[number][best]
+        chosen.append(_regional(cell, shaper, name=tried.names[best], share=float(left)))
+    return chosen
+
+
+def told(controller: PD, rows: Sequence[tuple[Legs, Shaper]]) -> Law:
+    """One law for the legs of each row.
+
+    Args:
+        controller: The gains of all.
+        rows: Legs with the shaper that they have.
+
+    Returns:
+        The laws, one a leg.
+    """
+    coarse = jax.tree.map(np.asarray, at_period(controller))
+    total = sum(len(part) for part, _ in rows)
+    times, amplitudes = (
+        np.concatenate(
+            [
+                np.tile(np.asarray(getattr(shaper, name)), (len(part), 1))
+                for part, shaper in rows
+            ]
+        )
+        for name in ("times", "amplitudes")
+    )
+    return Law(
+        jax.tree.map(lambda leaf: np.full(total, leaf), coarse), Shaper(times, amplitudes)
+    )
+
+
+def compile_catalogue() -> None:
+    """Compiles the catalogue's designs for any cells."""
+    _catalogue.compile(np.ones(_CELLS), np.zeros(_CELLS))
+
+
+@kept_jit
+def _catalogue(
+    frequency: Float[Array, " cells"], damping_ratio: Float[Array, " cells"]
+) -> tuple[Float[Array, "cells shapers impulses"], Float[Array, "cells shapers impulses"]]:
+    """Times and amplitudes of none and of the catalogue's shapers, padded.
+
+    Idle impulses have no amplitude; where a shaper can't be made for a cell there is none.
+    """
+
+    def of_cell(*mode: Float[Array, ""]) -> tuple[Array, Array]:
+        named = {entry.name: entry.design for entry in CATALOGUE}
+        designs = [named[name](*mode) for name in _FAMILIES[1:]]
+        fitting = [padded(own, IMPULSES) for own in (unshaped(), *designs)]
+        times = jnp.stack([own.times for own in fitting])
+        amplitudes = jnp.stack([own.amplitudes for own in fitting])
+        made = jnp.isfinite(times + amplitudes).all(axis=1, keepdims=True)
+        return jnp.where(made, times, times[0]), jnp.where(made, amplitudes, amplitudes[0])
+
+    return jax.vmap(of_cell)(frequency, damping_ratio)
+
+
+def _regional(cell: Cell, shaper: Shaper, *, name: str, share: float) -> RegionalShaper:
+    times, amplitudes = np.asarray(shaper.times), np.asarray(shaper.amplitudes)
+    used = amplitudes != 0
+    kept = Shaper(times[used], amplitudes[used])
+    damping_ratio = np.asarray(cell.damping_ratio)
+    nominal = residual_vibration(
+        kept, frequency=np.asarray(cell.frequency), damping_ratio=damping_ratio
+    )
+    worst = worst_in_band(kept, band=np.asarray(cell.band), damping_ratio=damping_ratio)
+    return RegionalShaper(
+        region=cell.region,
+        height=cell.height,
+        shaper=kept,
+        frequency=cell.frequency,
+        band=cell.band,
+        damping_ratio=cell.damping_ratio,
+        measured=cell.measured,
+        residual_vibration=ResidualVibration(float(nominal), float(worst)),
+        kind=name,
+        share=share,
+    )
