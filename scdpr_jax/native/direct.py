@@ -7,7 +7,7 @@ As part of a program of XLA's each would be compiled anew; a step's machine code
 import ctypes
 import functools
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, Generic, NamedTuple
 
 import jax
@@ -47,6 +47,10 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         self._step = step
         leaves, self._structure = jax.tree.flatten(parameters)
         self._parameters = [np.ascontiguousarray(leaf, float) for leaf in leaves]
+        # They stay where they are, so that only what is new is looked up in each call.
+        self._words = [word for own in self._parameters for word in _own_words(own)]
+        self._traced: dict[Hashable, Traced] = {}
+        self._robots = max(map(len, self._parameters), default=1)
 
     def __call__(self, start: Carry, inputs: Inputs) -> tuple[Carry, Outputs]:
         """What `scdpr_jax.native.run` does.
@@ -59,7 +63,7 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
             What the last step carries on and the outputs, likewise.
         """
         traced, operands = self._given(start, inputs)
-        made = _made(traced.step, operands, (), ())
+        made = self._made(traced.step, operands, (), ())
         return jax.tree.unflatten(jax.tree.structure(traced.outputs), made)
 
     def linearised(
@@ -81,7 +85,7 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         seeds = [None] * traced.step.parameters + leaves
         moving = tuple(seed is not None for seed in seeds)
         given = [np.ascontiguousarray(seed, float) for seed in seeds if seed is not None]
-        made = _made(traced.step, operands, moving, given)
+        made = self._made(traced.step, operands, moving, given)
         count, structure = len(made) // 2, jax.tree.structure(traced.outputs)
         values, slopes = (
             jax.tree.unflatten(structure, own) for own in (made[:count], made[count:])
@@ -89,14 +93,41 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         return values, Slopes(*slopes)
 
     def _given(self, start: Carry, inputs: Inputs) -> tuple[Traced, Sequence[np.ndarray]]:
-        """The step for such arrays, and all arrays behind one another."""
+        """The step for such arrays, and these behind one another."""
         carried, first = jax.tree.flatten(start)
         rows, second = jax.tree.flatten(inputs)
-        own = (np.ascontiguousarray(leaf, float) for leaf in (*carried, *rows))
-        arrays = [*self._parameters, *own]
-        held = len(arrays) - len(rows)
-        shapes = tuple(own.shape[1 if i < held else 2 :] for i, own in enumerate(arrays))
-        return _traced(self._step, (self._structure, first, second), shapes), arrays
+        arrays = [np.ascontiguousarray(leaf, float) for leaf in (*carried, *rows)]
+        shapes = tuple(
+            own.shape[1 if i < len(carried) else 2 :] for i, own in enumerate(arrays)
+        )
+        kind = (first, second, shapes)
+        if kind not in self._traced:
+            given = tuple(own.shape[1:] for own in self._parameters)
+            structures = (self._structure, first, second)
+            traced = _traced(self._step, structures, given + shapes)
+            if traced.constants:
+                raise ValueError(
+                    f"the step {self._step.__name__} closes over {len(traced.constants)} "
+                    "arrays, expected none. Give it what it needs through its parameters."
+                )
+            self._traced[kind] = traced
+        return self._traced[kind], arrays
+
+    def _made(
+        self,
+        step: Step,
+        operands: Sequence[np.ndarray],
+        moving: tuple[bool, ...],
+        seeds: Sequence[np.ndarray],
+    ) -> list[np.ndarray]:
+        """Results, and derivatives where there are tangents."""
+        robots = max(self._robots, *map(len, (*operands, *seeds)))
+        lanes = primitive.LANES if robots > 1 else 1
+        code = _code(step, moving, lanes) if machine.is_checked() else None
+        if code is None:
+            every = [*self._parameters, *operands]
+            return [np.asarray(own) for own in _by_xla(every, seeds, step=step, moving=moving)]
+        return code(self._words, robots, operands, seeds)
 
 
 @functools.cache
@@ -113,20 +144,6 @@ def _traced(
             for own in structures
         ),
     )
-
-
-def _made(
-    step: Step,
-    operands: Sequence[np.ndarray],
-    moving: tuple[bool, ...],
-    seeds: Sequence[np.ndarray],
-) -> list[np.ndarray]:
-    """Results, and derivatives where there are tangents."""
-    lanes = primitive.LANES if max(map(len, operands)) > 1 else 1
-    code = _code(step, moving, lanes) if machine.is_checked() else None
-    if code is None:
-        return [np.asarray(own) for own in _by_xla(operands, seeds, step=step, moving=moving)]
-    return code(operands, seeds)
 
 
 @functools.partial(jax.jit, static_argnames=("step", "moving"))
@@ -151,23 +168,23 @@ class _Code:
     """A kernel's group of robots as a function of memory."""
 
     def __init__(self, step: Step, moving: tuple[bool, ...], lanes: int):
-        self.step, self.lanes = step, lanes
-        self.moving = tuple(
-            name for name, own in zip(step.arguments, moving, strict=False) if own
-        )
+        self.results, self.lanes = tuple(step.results.items()), lanes
         self.group: Callable[[Any, int], None] = ctypes.CFUNCTYPE(
             None, ctypes.c_void_p, ctypes.c_long
         )(machine.group_address(step, machine.Wanted(moving, values=True), lanes=lanes))
 
     def __call__(
-        self, operands: Sequence[np.ndarray], seeds: Sequence[np.ndarray]
+        self,
+        parameters: Sequence[int],
+        robots: int,
+        operands: Sequence[np.ndarray],
+        seeds: Sequence[np.ndarray],
     ) -> list[np.ndarray]:
-        robots = max(map(len, (*operands, *seeds)))
         steps = operands[-1].shape[1]
         tangents = max((own.shape[1] for own in seeds), default=1)
         results = [
             np.empty((robots, *((steps,) if name.startswith("output") else ()), *shape))
-            for name, shape in self.step.results.items()
+            for name, shape in self.results
         ]
         slopes = [np.empty((*own.shape, tangents)) for own in results] if seeds else []
         groups = -(-robots // self.lanes)
@@ -179,7 +196,7 @@ class _Code:
             *map(_own_words, results),
             *map(_own_words, slopes),
         )
-        task = np.array([*words.values(), *arrays], np.int64)
+        task = np.array([*words.values(), *parameters, *arrays], np.int64)
         place = _place(task)
         for group in range(groups):
             self.group(place, group)

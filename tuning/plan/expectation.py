@@ -20,7 +20,7 @@ from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State
 from tuning.plan.leg import Leg
 from tuning.plan.plan import Plan
-from tuning.plan.search.scenarios import FARTHEST, FITTED, scenarios, starts
+from tuning.plan.search.scenarios import FARTHEST, FITTED, scenarios
 
 ROBOTS: tuple[Variation, ...] = (*FITTED, *FARTHEST)
 """The robots that a plan is judged on: one vector of the engine's lanes."""
@@ -103,23 +103,45 @@ def expectation(
         Vibration and resting error.
     """
     robots = scenarios(robot, ROBOTS, told=told)
-    undriven = starts(robots, leg)
-    begin = leg.start[0] + (leg.slope + robots.slope) * leg.start[1]
-    x, tilt, upper = undriven.position.T
-    height = np.full_like(x, leg.start[1])
-    position = np.stack([x, tilt, begin, upper, height], axis=1)
+    return driven(robots.robot, controller, leg, plan, slope=leg.slope + robots.slope)
+
+
+def driven(
+    robots: Robot,
+    controller: PD,
+    leg: Leg,
+    plan: Plan,
+    *,
+    slope: Float[np.ndarray, " robots"],
+) -> Expectation:
+    """What a plan comes to on any robots.
+
+    Args:
+        robots: The robots, stacked.
+        controller: The controller, at the plan's period.
+        leg: The leg, for where the end-effector begins and is to end.
+        plan: The plan.
+        slope: Slopes of the lines between their carriages at the begin [1].
+
+    Returns:
+        Vibration and resting error.
+    """
+    (x, y), top = leg.start, np.asarray(robots.frame.height)
+    begin, height = x + slope * y, np.full(slope.size, y)
+    undriven = (np.full(slope.size, x), np.arctan(slope))
+    position = np.stack([*undriven, begin, x - slope * (top - y), height], axis=1)
     zero = np.zeros((1, 2))
     start = (State(position, np.zeros((1, 5))), PDState(zero, zero))
     held = ((0, round(AFTERWARDS / float(controller.period))), (0, 0))
     told_rows = (plan.angle, plan.feedforward)
     rows = Told(*(np.pad(own, held, mode="edge")[None] for own in told_rows))
     parts = (np.asarray(part, float)[None] for part in _numbers(controller))
-    loop = Loop(robots.robot, PD(*parts), np.stack([begin, height], axis=1))
+    loop = Loop(robots, PD(*parts), np.stack([begin, height], axis=1))
     (last, _), x = native.Runs(sample, loop)(start, rows)
     after = x[:, plan.time.size - 1 :]
     lower, upper, height = (last.position[:, i] for i in (LOWER, UPPER, HEIGHT))
-    slope = (lower - upper) / np.asarray(robots.robot.frame.height)
-    return Expectation(np.ptp(after, axis=1), lower - slope * height - leg.end[0])
+    rest = lower - (lower - upper) / top * height
+    return Expectation(np.ptp(after, axis=1), rest - leg.end[0])
 
 
 def _numbers(controller: PD) -> tuple[Array, ...]:

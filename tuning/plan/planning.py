@@ -15,6 +15,7 @@ whole closed loop in the end (`tuning.plan.expectation`), and where the plain pr
 expected to leave less, the plain profile it is.
 """
 
+import concurrent.futures
 import dataclasses
 from collections.abc import Iterable, Sequence
 
@@ -23,6 +24,7 @@ from jaxtyping import Float
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.side_by_side import CORES
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.at_rate import planned
@@ -115,26 +117,15 @@ def plan_leg(
     Raises:
         ValueError: If a number isn't finite, the time isn't positive, or the leg leads nowhere.
     """
-    time = LEG_TIME if leg_time is None else leg_time
-    _refuse(start, end, time, slope)
-    leg = Leg(tuple(map(float, start)), tuple(map(float, end)), time, slope or 0.0)
-    told = slope is not None
-    about = models(robot, controller, told=told)
-    found, coefficients = _motion(robot, about, possible(robot, leg), progress)
-    progress("what is expected of it", 0.9)
-    plan = planned(robot, found, coefficients, period=float(controller.period))
-    expected = expectation(robot, controller, found, plan, told=told)
-    profile = plain_plan(leg, controller, radius=float(robot.drive.effective_radius))
-    plain = expectation(robot, controller, leg, profile, told=told)
-    if plain.mean < expected.mean and expected.mean > NEGLIGIBLE:
-        return Planned(leg, profile, time, plain, plain)
-    return Planned(found, plan, time, expected, plain)
+    planner = Planner(robot, controller)
+    wanted = Wanted(tuple(map(float, start)), tuple(map(float, end)), leg_time, slope)
+    return planner(wanted, progress=progress)
 
 
 def plan_legs(
     robot: Robot, controller: PD, legs: Iterable[Wanted], *, progress: Progress = SILENT
 ) -> list[Planned]:
-    """Plans of many legs.
+    """Plans of many legs, on every core.
 
     Args:
         robot: The fitted robot, with exact friction.
@@ -143,19 +134,62 @@ def plan_legs(
         progress: Told which share is done.
 
     Returns:
-        A plan for each.
+        A plan for each, the same as `plan_leg` makes.
 
     Raises:
-        ValueError: If one of them can't be planned; says which.
+        ValueError: If one of them can't be planned.
     """
-    legs = list(legs)
-    made = []
-    for number, leg in enumerate(legs):
-        progress(f"leg {number + 1} of {len(legs)}", number / len(legs))
-        made.append(
-            plan_leg(robot, controller, leg.start, leg.end, leg_time=leg.time, slope=leg.slope)
-        )
+    legs, planner = list(legs), Planner(robot, controller)
+    for leg in legs:
+        _refuse(leg)
+    made: list[Planned] = []
+    # Machine code runs while another thread is in Python.
+    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+        for plan in pool.map(planner, legs):
+            made.append(plan)
+            progress(f"{len(made)} of {len(legs)} legs", len(made) / len(legs))
     return made
+
+
+class Planner:
+    """Plans legs of one robot."""
+
+    def __init__(self, robot: Robot, controller: PD):
+        """The robots that its legs are planned for are made here.
+
+        Args:
+            robot: The fitted robot, with exact friction.
+            controller: The PD controller that it runs under.
+        """
+        self._robot, self._controller = robot, controller
+        self._models = {told: models(robot, controller, told=told) for told in (False, True)}
+
+    def __call__(self, wanted: Wanted, *, progress: Progress = SILENT) -> Planned:
+        """A leg's plan.
+
+        Args:
+            wanted: The leg.
+            progress: Told what is being done and which share of it is done.
+
+        Returns:
+            The plan, and what is expected of it.
+
+        Raises:
+            ValueError: If it is no leg.
+        """
+        _refuse(wanted)
+        robot, controller, told = self._robot, self._controller, wanted.slope is not None
+        time = LEG_TIME if wanted.time is None else wanted.time
+        leg = Leg(wanted.start, wanted.end, time, wanted.slope or 0.0)
+        found, coefficients = _motion(robot, self._models[told], possible(robot, leg), progress)
+        progress("what is expected of it", 0.9)
+        plan = planned(robot, found, coefficients, period=float(controller.period))
+        expected = expectation(robot, controller, found, plan, told=told)
+        profile = plain_plan(leg, controller, radius=float(robot.drive.effective_radius))
+        plain = expectation(robot, controller, leg, profile, told=told)
+        if plain.mean < expected.mean and expected.mean > NEGLIGIBLE:
+            return Planned(leg, profile, time, plain, plain)
+        return Planned(found, plan, time, expected, plain)
 
 
 def resting_start(
@@ -236,22 +270,21 @@ def _is_good(fitted: Misfit, point: Float[np.ndarray, " splines"]) -> bool:
     return vibration <= STILL and rest <= ON_TARGET and float(np.max(np.abs(volts))) <= most
 
 
-def _refuse(
-    start: tuple[float, float], end: tuple[float, float], time: float, slope: float | None
-) -> None:
-    numbers = (*start, *end, time, slope or 0.0)
+def _refuse(leg: Wanted) -> None:
+    """Refuse what is no leg."""
+    numbers = (*leg.start, *leg.end, leg.time or 1.0, leg.slope or 0.0)
     if not np.all(np.isfinite(numbers)):
         raise ValueError(
-            f"a leg's numbers must be finite, got start {start}, end {end} [m], time {time} "
-            f"[s] and slope {slope} [1]. Give places within the frame and a time."
+            f"a leg's numbers must be finite, got {leg}. Give places within the frame [m], a "
+            "time [s] and a slope [1]."
         )
-    if not time > 0:
+    if leg.time is not None and not leg.time > 0:
         raise ValueError(
-            f"`leg_time` must be positive, got {time:g} s. Give the leg a time; what the "
+            f"`leg_time` must be positive, got {leg.time:g} s. Give the leg a time; what the "
             "drives can't do in it gets a longer one."
         )
-    if tuple(start) == tuple(end):
+    if leg.start == leg.end:
         raise ValueError(
-            f"`end` is where the leg starts, got {tuple(end)} [m]: there is no leg to plan. "
+            f"`end` is where the leg starts, got {leg.end} [m]: there is no leg to plan. "
             "Name another place."
         )

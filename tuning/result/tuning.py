@@ -72,6 +72,9 @@ class Tuning:
             lines.append(
                 f"  {count} random legs: {left:.3g} % of the vibration left (predicted)"
             )
+            if self.legs.planned is not None:
+                planned = 100 * self.legs.planned_share
+                lines.append(f"  {planned:.3g} % where they are planned (predicted)")
         lines += [f"  {note}" for note in (self.caution, *self.notes) if note]
         return "\n".join(lines)
 

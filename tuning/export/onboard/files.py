@@ -7,7 +7,7 @@ import numpy as np
 from tuning.export.description import decimal
 from tuning.export.onboard.program import HEADER, SOURCE, OnBoard
 from tuning.export.template import fill_in
-from tuning.plan.planning import Planned, Wanted, plan_leg
+from tuning.plan.planning import Planned, Wanted, plan_legs
 
 FOLDER = "onboard"
 """Name of the folder within the exports."""
@@ -24,8 +24,10 @@ def onboard_files(about: OnBoard) -> dict[str, str]:
     Returns:
         Texts by name.
     """
-    legs = [_planned(about, wanted) for wanted in _legs(about)]
-    first = _legs(about)[0]
+    wanted = _legs(about)
+    made = plan_legs(about.robot, about.controller, wanted)
+    legs = [_row(about, *pair) for pair in zip(wanted, made, strict=True)]
+    first = wanted[0]
     controller, header = about.controller, about.header()
     size = str(1000 * int(header.split("some ")[1].split(" kB")[0]))
     caution = f"\n\n**{about.about}**" if about.about else ""
@@ -79,16 +81,8 @@ def _state(about: OnBoard, wanted: Wanted) -> list[float]:
     return [x, math.atan(slope), x + slope * y, x - slope * (height - y), y]
 
 
-def _planned(about: OnBoard, wanted: Wanted) -> str:
+def _row(about: OnBoard, wanted: Wanted, made: Planned) -> str:
     """A leg as a row of the self-test's table."""
-    made: Planned = plan_leg(
-        about.robot,
-        about.controller,
-        wanted.start,
-        wanted.end,
-        leg_time=wanted.time,
-        slope=wanted.slope,
-    )
     plan = made.plan
     rows = [
         np.array([plan.time[k], *plan.angle[k], *plan.feedforward[k]])
