@@ -36,7 +36,8 @@ def planned(
     )
     alone = scenarios(robot, FITTED)
     fitted = Leader(alone.robot)
-    run = fitted.follow(starts(alone, leg), lead, duration=period / 2)
+    begins = Moment(*(own[:-1:2][None] for own in every.motion(coefficients)))
+    run, _ = fitted.follow(starts(alone, leg), lead, begins, duration=period / 2)
     middles = Moment(*(own[2::4][None] for own in every.motion(coefficients)))
     volts = fitted.commands(run.positions[:, 1::2], middles)
     led = np.stack([lower, height], axis=1)[::4]

@@ -247,27 +247,24 @@ def _motion(
     for attempt in range(ATTEMPTS):
         leg = paced(robot, leg)
         progress(f"motion in {leg.time:.3g} s", 0.2 * attempt / ATTEMPTS)
-        alone = about.alone(leg, about.fitted, COARSE)
+        alone = about.fitted.misfit(leg, COARSE)
         first = descend(alone, np.zeros(leg.splines), FIRST).point
         if attempt == ATTEMPTS - 1 or _is_good(alone, first):
             break
         leg = dataclasses.replace(leg, time=leg.time * LONGER)
     progress(f"motion in {leg.time:.3g} s for robots as they might be", 0.2)
-    fine = about.together(leg, FINE)
+    fine = about.every.misfit(leg, FINE)
     return leg, min(search(leg, about), first, key=fine.cost)
 
 
 def _is_good(fitted: Misfit, point: Float[np.ndarray, " splines"]) -> bool:
     """Whether the fitted robot is at rest at the target, and its drives within their limits."""
-    (run,), (group,) = fitted.runs(point), fitted.groups
-    vibration = float(group.arriving.vibrations(run, group.goals)[0])
-    rest = abs(float(group.arriving(run, group.goals).rest[0]))
-    grid = fitted.grid
-    volts = fitted.leader.commands(
-        run.positions[:, grid.commanded], grid.commanded_motion(point)
-    )
-    most = WITHIN * float(fitted.fitted.robot.drive.voltage_limit[0])
-    return vibration <= STILL and rest <= ON_TARGET and float(np.max(np.abs(volts))) <= most
+    run = fitted.run(point)
+    vibration = float(fitted.arriving.vibrations(run, fitted.goals)[0])
+    rest = abs(float(fitted.arriving(run, fitted.goals).rest[0]))
+    most = WITHIN * float(fitted.robots.robot.drive.voltage_limit[0])
+    asked = float(np.max(np.abs(fitted.commands(run, point))))
+    return vibration <= STILL and rest <= ON_TARGET and asked <= most
 
 
 def _refuse(leg: Wanted) -> None:

@@ -17,13 +17,21 @@ from tuning.result.tuning import CAUTION
 
 def test_the_folder_holds_the_files_that_are_named_and_no_other(tmp_path):
     written = write_exports(tmp_path / "export", plain())
-    assert sorted(written) == sorted((tmp_path / "export").iterdir())
-    assert {path.name for path in written} == {
+    folder = tmp_path / "export"
+    every = (path for path in folder.rglob("*") if path.is_file())
+    assert {str(path.relative_to(folder)) for path in every} == {
         "scdpr_controller.h",
         "controller.csv",
         "shapers.csv",
         "scdpr_controller.m",
+        *(
+            f"onboard/{name}"
+            for name in ("README.md", "example.c", "scdpr_leg.c", "scdpr_leg.h", "selftest.c")
+        ),
     }
+    # The first of those on board stands for its folder.
+    assert all(path.is_file() for path in written)
+    assert folder / "onboard" / "README.md" in written
 
 
 def test_a_tuning_that_was_read_exports_the_same_files(tmp_path):

@@ -39,7 +39,7 @@ def leg():
 @functools.cache
 def misfit(slope=0.0):
     leg = Leg((0.5, 0.7), (1.6, 0.4), 1.0, slope)
-    return models(FITTED, CONTROLLER, told=False).together(leg, COARSE)
+    return models(FITTED, CONTROLLER, told=False).every.misfit(leg, COARSE)
 
 
 def random_point(seed, size=2e-3):
@@ -155,12 +155,12 @@ def test_the_led_robot_is_that_of_the_closed_loop():
     """Where the motors follow, the reduced model is the engine: to the commands' hold."""
     leg = Leg((0.6, 0.7), (1.3, 0.4), 1.6)
     about = models(FITTED, CONTROLLER, told=False)
-    fine = about.alone(leg, about.fitted, FINE)
+    fine = about.fitted.misfit(leg, FINE)
     point = descend(fine, np.zeros(leg.splines), Stage(3, 0.0)).point
-    (run,), (group,) = fine.runs(point), fine.groups
+    run = fine.run(point)
     plan = planned(FITTED, leg, point, period=1e-3)
     told = expecting.expectation(FITTED, CONTROLLER, leg, plan)
-    assert told.resting[0] == pytest.approx(group.arriving(run, group.goals).rest[0], abs=6e-5)
+    assert told.resting[0] == pytest.approx(fine.arriving(run, fine.goals).rest[0], abs=6e-5)
     # Millimetres without a plan; the command's hold is worth some hundredths.
-    vibration = group.arriving.vibrations(run, group.goals)[0]
+    vibration = fine.arriving.vibrations(run, fine.goals)[0]
     assert told.vibration[0] == pytest.approx(vibration, abs=6e-5)

@@ -14,6 +14,7 @@ from tuning.export.onboard.kernels import kernels_text
 from tuning.export.template import fill_in
 from tuning.plan import leg, pace, planning
 from tuning.plan.expectation import AFTERWARDS, ROBOTS
+from tuning.plan.led.servo import servo
 from tuning.plan.search import grid, misfit, stages
 from tuning.plan.search.scenarios import FARTHEST, VARIATIONS, scenarios
 
@@ -82,7 +83,7 @@ class OnBoard:
     def _tables(self) -> Iterable[str]:
         robot, controller = self.robot, self.controller
         about = stages.models(robot, controller, told=False)
-        told = scenarios(robot, VARIATIONS, told=True)
+        others, told = (scenarios(robot, VARIATIONS, told=own) for own in (False, True))
         body, frame = robot.end_effector, robot.frame
         carriages = (robot.lower_carriage, robot.upper_carriage)
         held = max(
@@ -98,15 +99,15 @@ class OnBoard:
         }
         for name, number in single.items():
             yield f"static const double {name} = {_number(number)};"
-        yield _array("FITTED", "[NUMBERS]", _rows(about.fitted.robot)[0])
-        guesses = np.concatenate([_rows(own.robot) for own in about.guesses])
+        yield _array("FITTED", "[NUMBERS]", _rows(about.fitted.robots.robot)[0])
+        guesses = np.concatenate([_rows(own.robots.robot) for own in about.guesses])
         yield _array("GUESSES", f"[{len(guesses)}][NUMBERS]", guesses)
-        yield _array("OTHERS", "[SCDPR_LEG_ROBOTS - 1][NUMBERS]", _rows(about.others.robot))
-        slopes = np.array([[0.0, *own.slope] for own in (about.others, told)])
+        yield _array("OTHERS", "[SCDPR_LEG_ROBOTS - 1][NUMBERS]", _rows(others.robot))
+        slopes = np.array([[0.0, *own.slope] for own in (others, told)])
         yield _array("SLOPE", "[2][SCDPR_LEG_ROBOTS]", slopes)
-        yield _array("WEIGHT", "[SCDPR_LEG_ROBOTS]", np.array([1.0, *about.others.weight]))
-        yield _array("RESTS", "[SCDPR_LEG_ROBOTS]", np.array([1.0, *about.others.resting]))
-        yield _array("SERVO", "[3]", np.array(about.servo))
+        yield _array("WEIGHT", "[SCDPR_LEG_ROBOTS]", np.array([1.0, *others.weight]))
+        yield _array("RESTS", "[SCDPR_LEG_ROBOTS]", np.array([1.0, *others.resting]))
+        yield _array("SERVO", "[3]", np.array(servo(robot, controller)))
         gains = (
             controller.proportional_gain,
             controller.derivative_gain,
@@ -150,6 +151,7 @@ def _constants(robot: Robot) -> dict[str, str]:
         "floor": stages.DAMPING.floor,
         "first_damping": stages.DAMPING.first,
         "least": stages.DAMPING.least,
+        "just_before": grid.JUST_BEFORE,
     }
     whole = {
         "attempts": planning.ATTEMPTS,

@@ -28,6 +28,14 @@ class Followed(NamedTuple):
     """The undriven coordinates at the beginning of each step [m, rad, m]."""
 
 
+class Inverted(NamedTuple):
+    """How a robot follows whose own dynamics are inverted; or derivatives of it."""
+
+    run: Followed
+    force: Float[np.ndarray, "1 steps ..."]
+    """What pulls at the lower carriage, with friction, at the beginning of each step [N]."""
+
+
 class Leader:
     """A robot whose own dynamics are inverted: its drives are where they are led."""
 
@@ -39,36 +47,42 @@ class Leader:
         """
         self._robot = robot
         self._command = native.Runs(_command, robot)
-        self._force = native.Runs(_force, robot)
 
-    def follow(self, start: Undriven, lead: Lead, *, duration: float) -> Followed:
+    def _led(self, duration: float) -> native.Runs:
+        return native.Runs(_advance, (self._robot, np.array([duration])))
+
+    def follow(
+        self, start: Undriven, lead: Lead, motion: Moment, *, duration: float
+    ) -> Inverted:
         """The robot led along a leg.
 
         Args:
             start: Where it begins.
             lead: Where it is led, a row for each step.
+            motion: Of lower carriage and height at the beginnings, behind an axis of robots.
             duration: Length of the steps [s].
 
         Returns:
             What it does.
         """
-        led = native.Runs(_advance, (self._robot, np.array([duration])))
-        end, positions = led(start, lead)
-        return Followed(end, _none(len(positions)), positions)
+        end, (positions, force) = self._led(duration)(start, (lead, motion.slope))
+        return Inverted(Followed(end, _none(1), positions), force)
 
     def follow_linearised(
         self,
         start: Undriven,
         lead: Lead,
+        motion: Moment,
         *,
         duration: float,
         along: Float[np.ndarray, "splines steps 3"],
-    ) -> tuple[Followed, Followed]:
+    ) -> tuple[Inverted, Inverted]:
         """The same with derivatives by the coefficients of splines.
 
         Args:
             start: Where it begins.
             lead: Where it is led.
+            motion: Of lower carriage and height at the beginnings.
             duration: Length of the steps [s].
             along: What each spline does to the lead's lower carriage [1].
 
@@ -76,13 +90,15 @@ class Leader:
             What it does, and the derivatives.
         """
         still = np.zeros((1, 1, 3))
-        seeds = Slopes(Undriven(still, still), Lead(along[None], None))
-        led = native.Runs(_advance, (self._robot, np.array([duration])))
-        (end, positions), slopes = led.linearised(start, lead, along=seeds)
+        seeds = Slopes(Undriven(still, still), (Lead(along[None], None), None))
+        (end, (positions, force)), slopes = self._led(duration).linearised(
+            start, (lead, motion.slope), along=seeds
+        )
         none = np.zeros((1, len(along)))
+        moved, pulled = slopes.rows
         return (
-            Followed(end, _none(1), positions),
-            Followed(slopes.carried, Deviation(none, none), slopes.rows),
+            Inverted(Followed(end, _none(1), positions), force),
+            Inverted(Followed(slopes.carried, Deviation(none, none), moved), pulled),
         )
 
     def commands(
@@ -121,41 +137,6 @@ class Leader:
         )
         return volts[0], slopes.rows[0]
 
-    def forces(
-        self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
-    ) -> Float[np.ndarray, "1 n"]:
-        """What pulls at the lower carriage, with friction.
-
-        Args:
-            positions: The undriven coordinates [m, rad, m].
-            motion: Of lower carriage and height, behind an axis of robots.
-
-        Returns:
-            Forces [N].
-        """
-        return self._force((), (positions, motion.value, motion.slope))[1]
-
-    def forces_linearised(
-        self,
-        positions: Float[np.ndarray, "1 n 3"],
-        motion: Moment,
-        *,
-        along: tuple[Float[np.ndarray, "1 splines n 3"], Float[np.ndarray, "1 splines n 2"]],
-    ) -> tuple[Float[np.ndarray, "1 n"], Float[np.ndarray, "1 n splines"]]:
-        """The same with derivatives.
-
-        Args:
-            positions: The undriven coordinates [m, rad, m].
-            motion: Of lower carriage and height, behind an axis of robots.
-            along: Tangents of the coordinates and of the led positions.
-
-        Returns:
-            Forces [N] and their derivatives [N/m].
-        """
-        rows = (positions, motion.value, motion.slope)
-        (_, made), slopes = self._force.linearised((), rows, along=Slopes((), (*along, None)))
-        return made, slopes.rows
-
 
 class Followers:
     """Robots as they might be under the feed-forward of another one."""
@@ -167,14 +148,12 @@ class Followers:
             robots: The robots, stacked.
             servo: The PD that is left with what they do otherwise.
         """
-        self._robots = robots
-        self._servo = Servo(*(part[None] for part in servo))
-        self._single = servo
+        self._robots, self._servo = robots, servo
 
     def _led(self, duration: float) -> native.Runs:
-        over = transitions(self._single, duration)
-        parameters = (self._robots, np.array([duration]), self._servo, over)
-        return native.Runs(deviating_step, parameters)
+        own = Servo(*(part[None] for part in self._servo))
+        over = transitions(self._servo, duration)
+        return native.Runs(deviating_step, (self._robots, np.array([duration]), own, over))
 
     def follow(self, start: Undriven, led: Led, *, duration: float) -> Followed:
         """Robots led along a leg.
@@ -289,11 +268,16 @@ def _none(robots: int) -> Deviation:
     return Deviation(np.zeros(robots), np.zeros(robots))
 
 
+_Row = tuple[Lead, Float[Array, "2"]]
+
+
 def _advance(
-    parameters: tuple[Robot, Array], state: Undriven, lead: Lead
-) -> tuple[Undriven, Float[Array, "3"]]:
-    robot, duration = parameters
-    return step(robot, state, lead, duration), state.position
+    parameters: tuple[Robot, Array], state: Undriven, row: _Row
+) -> tuple[Undriven, tuple[Float[Array, "3"], Float[Array, ""]]]:
+    (robot, duration), (lead, velocity) = parameters, row
+    position = whole_position(state.position, lead.lower[0], lead.height[0])
+    force, _ = led_force(robot, position, velocity[0])
+    return step(robot, state, lead, duration), (state.position, force)
 
 
 def _command(
@@ -303,13 +287,6 @@ def _command(
     lower, height = motion.value
     whole = whole_position(position, lower, height)
     return (), inverse_dynamics(robot, whole, motion.slope, motion.curvature)
-
-
-def _force(
-    robot: Robot, _: tuple, row: tuple[Float[Array, "3"], Array, Array]
-) -> tuple[tuple, Float[Array, ""]]:
-    position, (lower, height), velocity = row
-    return (), led_force(robot, whole_position(position, lower, height), velocity[0])[0]
 
 
 def _arriving(robot: Robot, _: tuple, row: tuple[Undriven, Goal]) -> tuple[tuple, Arrival]:

@@ -4,7 +4,7 @@ import dataclasses
 import functools
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from scdpr_jax.engines.led_stepping import Lead
 from tuning.plan.leg import Leg, Places, places
@@ -12,6 +12,8 @@ from tuning.plan.profile import Moment, pace_values
 
 TRACKED, COMMANDED = 4, 2
 """Every how many steps the profile, and the commands, are looked at."""
+JUST_BEFORE = 1 - 1e-9
+"""Share of the time of its motion that the lower carriage still moves at [1]."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -47,10 +49,26 @@ class Grid:
         """The steps at which the profile is looked at."""
         return slice(0, self.moving, TRACKED)
 
-    @property
-    def commanded(self) -> slice:
-        """The steps at which commands are looked at."""
-        return slice(0, self.moving, COMMANDED)
+    @functools.cached_property
+    def commanded(self) -> Int[np.ndarray, " instants"]:
+        """The steps in which commands are looked at."""
+        last = int(self.leg.moving / self.duration)
+        return np.append(np.arange(0, self.moving, COMMANDED), last)
+
+    @functools.cached_property
+    def looked_at(self) -> Places:
+        """The leg at `commanded`: as these steps begin, and just before it holds.
+
+        There the splines' acceleration ends with a jump, which lies between two steps.
+        """
+        time = self.duration * self.commanded
+        time[-1] = self.leg.moving * JUST_BEFORE
+        return places(self.leg, time)
+
+    @functools.cached_property
+    def looked_aside(self) -> Moment:
+        """What each spline does to the motion at `commanded`, behind an axis of robots."""
+        return _aside(self.looked_at.splines)
 
     @functools.cached_property
     def plain_way(self) -> Float[np.ndarray, " tracked"]:
@@ -64,16 +82,6 @@ class Grid:
     def along(self) -> Float[np.ndarray, "splines steps 3"]:
         """What each spline does to where the lower carriage is led."""
         return np.ascontiguousarray(np.moveaxis(_thirds(self.halves.splines.value), 2, 0))
-
-    @functools.cached_property
-    def aside(self) -> Moment:
-        """What each spline does to the motion at the beginnings, behind an axis of robots."""
-        return Moment(
-            *(
-                np.ascontiguousarray(np.stack([own.T, np.zeros_like(own.T)], axis=-1)[None])
-                for own in self.begins.splines
-            )
-        )
 
     @functools.cached_property
     def _height(self) -> Float[np.ndarray, "1 steps 3"]:
@@ -110,8 +118,13 @@ class Grid:
         Returns:
             Positions, velocities and accelerations [m; m/s; m/s²].
         """
-        looked_at = self.begins.rows(self.commanded)
-        return Moment(*(own[None] for own in looked_at.motion(point)))
+        return Moment(*(own[None] for own in self.looked_at.motion(point)))
+
+
+def _aside(splines: Moment) -> Moment:
+    """Tangents of lower carriage and height, which the splines leave alone."""
+    pairs = (np.stack([own.T, np.zeros_like(own.T)], axis=-1) for own in splines)
+    return Moment(*(np.ascontiguousarray(own[None]) for own in pairs))
 
 
 def _thirds(halves: Float[np.ndarray, "points ..."]) -> Float[np.ndarray, "steps 3 ..."]:

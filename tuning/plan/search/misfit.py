@@ -2,8 +2,8 @@
 
 import dataclasses
 import functools
-from typing import NamedTuple
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -11,7 +11,7 @@ from scdpr_jax.engines.led_stepping import Lead, Undriven
 from scdpr_jax.numerics.merit import Merit
 from tuning.plan.led.arrival import Arrival, Goal
 from tuning.plan.led.following import Arriving, Followed, Followers, Leader
-from tuning.plan.led.servo import Led, Servo
+from tuning.plan.led.servo import Led
 from tuning.plan.leg import Leg
 from tuning.plan.profile import Moment
 from tuning.plan.search.grid import Grid
@@ -35,92 +35,19 @@ OUTSIDE = 1e-3
 """How far out of the frame the lower carriage counts as one [m]."""
 
 
-class Group(NamedTuple):
-    """Robots that are led in one way."""
-
-    robots: Scenarios
-    starts: Undriven
-    goals: Goal
-    shifts: Float[np.ndarray, " robots"]
-    """How far each one's lower carriage is from where the leg has it [m]."""
-    arriving: Arriving
-    followers: Followers
-
-    def led(self, lead: Lead, motion: Moment, forces: Float[np.ndarray, "1 n"]) -> Led:
-        """What they are told.
-
-        Args:
-            lead: Where the fitted one is led.
-            motion: Its motion at the beginnings of the steps, behind an axis of robots.
-            forces: Its forces there [N].
-
-        Returns:
-            A row for each robot and step.
-        """
-        aside = self.shifts[:, None, None]
-        return Led(Lead(lead.lower + aside, lead.height), motion.slope[..., 0], forces)
-
-    def residuals(self, run: Followed, grid: Grid) -> list[np.ndarray]:
-        """Residuals of a run.
-
-        Args:
-            run: The run.
-            grid: The leg's.
-
-        Returns:
-            The residuals, an axis of robots first.
-        """
-        return [
-            *self._arrived(self.arriving(run, self.goals)),
-            self._tracked(run.positions[:, grid.tracked, 0] - grid.plain_way),
-        ]
-
-    def linearised(
-        self, run: Followed, slopes: Followed, grid: Grid
-    ) -> list[tuple[np.ndarray, np.ndarray]]:
-        """The same with derivatives.
-
-        Args:
-            run: The run.
-            slopes: Its derivatives.
-            grid: The leg's.
-
-        Returns:
-            Residuals and their derivatives.
-        """
-        ends, their = self.arriving.linearised(run, self.goals, along=slopes)
-        away = run.positions[:, grid.tracked, 0] - grid.plain_way
-        return [
-            *zip(self._arrived(ends), self._arrived(their), strict=True),
-            (self._tracked(away), self._tracked(slopes.positions[:, grid.tracked, 0])),
-        ]
-
-    def _arrived(self, ends: Arrival) -> list[np.ndarray]:
-        weight, resting = self.robots.weight, self.robots.resting
-        return [
-            _by_robot(weight / VIBRATION, ends.vibration),
-            _by_robot(weight / SLIDING, ends.sliding),
-            _by_robot(resting / RESTING, ends.rest),
-        ]
-
-    def _tracked(self, way: np.ndarray) -> np.ndarray:
-        return _by_robot(self.robots.weight / TRACKING, way)
-
-
-def _by_robot(factor: Float[np.ndarray, " robots"], own: np.ndarray) -> np.ndarray:
-    return own * factor.reshape(-1, *(1,) * (own.ndim - 1))
-
-
 @dataclasses.dataclass(frozen=True, eq=False)
 class Misfit:
     """A leg with the robots that it is planned for, on a grid of steps."""
 
     leg: Leg
-    fitted: Scenarios
-    """The robot whose dynamics are inverted, alone."""
-    others: Scenarios | None
-    """Robots under its feed-forward; None for none."""
-    servo: Servo
+    robots: Scenarios
+    """The robots, the one whose dynamics are inverted first."""
+    leader: Leader
+    """That one."""
+    followers: Followers | None
+    """The others, under its feed-forward; None if there are none."""
+    arriving: Arriving
+    """All of them."""
     steps: int
     """Steps in the leg."""
 
@@ -135,35 +62,32 @@ class Misfit:
         return Grid(self.leg, self.steps)
 
     @functools.cached_property
-    def leader(self) -> Leader:
-        """The robot whose dynamics are inverted, ready to be led."""
-        return Leader(self.fitted.robot)
+    def goals(self) -> Goal:
+        """Where the robots are to be."""
+        return goals(self.robots, self.leg)
 
     @functools.cached_property
-    def groups(self) -> tuple[Group, ...]:
-        """The robots, ready to be led."""
-        every = (self.fitted,) if self.others is None else (self.fitted, self.others)
-        return tuple(
-            Group(
-                own,
-                starts(own, self.leg),
-                goals(own, self.leg),
-                shifts(own, self.leg),
-                Arriving(own.robot),
-                Followers(own.robot, self.servo),
-            )
-            for own in every
+    def _starts(self) -> tuple[Undriven, Undriven]:
+        """Where the first one begins, and where the others do."""
+        every = starts(self.robots, self.leg)
+        first, others = (
+            Undriven(*(part[rows] for part in every)) for rows in (slice(1), slice(1, None))
         )
+        return first, others
+
+    @functools.cached_property
+    def _shifts(self) -> Float[np.ndarray, "others 1 1"]:
+        return shifts(self.robots, self.leg)[1:, None, None]
 
     @functools.cached_property
     def limit(self) -> float:
         """Command beyond which there is a residual [V]."""
-        return VOLTAGE_SHARE * float(self.fitted.robot.drive.voltage_limit[0])
+        return VOLTAGE_SHARE * float(self.robots.robot.drive.voltage_limit[0])
 
     @functools.cached_property
     def guide(self) -> tuple[float, float]:
         """Between which places the lower carriage fits into the frame [m]."""
-        robot = self.fitted.robot
+        robot = self.robots.robot
         half = float(robot.lower_carriage.width[0]) / 2
         return half, float(robot.frame.width[0]) - half
 
@@ -171,53 +95,37 @@ class Misfit:
         """The misfit of a motion."""
         return Motion(point, self)
 
-    def runs(self, point: Float[np.ndarray, " splines"]) -> tuple[Followed, ...]:
-        """What the robots do: the fitted one, and the others.
+    def run(self, point: Float[np.ndarray, " splines"]) -> Followed:
+        """What the robots do.
 
         Args:
             point: Coefficients of the splines [m].
 
         Returns:
-            A run for each group.
+            Their run.
         """
-        lead, duration = self.grid.lead(point), self.duration
-        first, *others = self.groups
-        fitted = self.leader.follow(first.starts, lead, duration=duration)
-        if not others:
-            return (fitted,)
-        motion = self.grid.motion(point)
-        forces = self.leader.forces(fitted.positions, motion)
-        led = others[0].led(lead, motion, forces)
-        return fitted, others[0].followers.follow(others[0].starts, led, duration=duration)
+        lead, motion = self.grid.lead(point), self.grid.motion(point)
+        first, others = self._starts
+        own, force = self.leader.follow(first, lead, motion, duration=self.duration)
+        if self.followers is None:
+            return own
+        led = self._led(lead, motion, force)
+        return _joined(own, self.followers.follow(others, led, duration=self.duration))
 
-    def runs_linearised(
-        self, point: Float[np.ndarray, " splines"]
-    ) -> tuple[tuple[Followed, Followed], ...]:
-        """The same with derivatives.
+    def commands(
+        self, run: Followed, point: Float[np.ndarray, " splines"]
+    ) -> Float[np.ndarray, "n 2"]:
+        """Commands of the robot whose dynamics are inverted.
 
         Args:
+            run: A run, its own first.
             point: Coefficients of the splines [m].
 
         Returns:
-            For each group its run and that one's derivatives.
+            The commands where they are looked at [V].
         """
-        lead, duration, grid = self.grid.lead(point), self.duration, self.grid
-        first, *others = self.groups
-        fitted = self.leader.follow_linearised(
-            first.starts, lead, duration=duration, along=grid.along
-        )
-        if not others:
-            return (fitted,)
-        motion = grid.motion(point)
-        coordinates = np.moveaxis(fitted[1].positions, -1, 1)
-        forces, slopes = self.leader.forces_linearised(
-            fitted[0].positions, motion, along=(coordinates, grid.aside.value)
-        )
-        led, own = others[0].led(lead, motion, forces), others[0]
-        along = (grid.along, np.moveaxis(slopes, -1, 1))
-        return fitted, own.followers.follow_linearised(
-            own.starts, led, duration=duration, along=along
-        )
+        own = run.positions[:1, self.grid.commanded]
+        return self.leader.commands(own, self.grid.commanded_motion(point))
 
     def cost(self, point: Float[np.ndarray, " splines"]) -> float:
         """The sum of squared residuals.
@@ -228,17 +136,11 @@ class Misfit:
         Returns:
             The sum [1].
         """
-        runs = self.runs(point)
+        run = self.run(point)
         parts = [
-            part
-            for group, run in zip(self.groups, runs, strict=True)
-            for part in group.residuals(run, self.grid)
-        ]
-        volts = self.leader.commands(
-            runs[0].positions[:, self.grid.commanded], self.grid.commanded_motion(point)
-        )
-        parts += [
-            self._excess(volts) / VOLTAGE,
+            *self._arrived(self.arriving(run, self.goals)),
+            self._tracked(run.positions[:, self.grid.tracked, 0] - self.grid.plain_way),
+            self._excess(self.commands(run, point)) / VOLTAGE,
             self._outside(point)[0] / OUTSIDE,
             roughness(point.size) @ point,
         ]
@@ -255,16 +157,32 @@ class Misfit:
         Returns:
             A row for each residual.
         """
-        runs = self.runs_linearised(point)
-        pairs = [
-            pair
-            for group, (run, slopes) in zip(self.groups, runs, strict=True)
-            for pair in group.linearised(run, slopes, self.grid)
-        ]
+        lead, motion, grid = self.grid.lead(point), self.grid.motion(point), self.grid
+        first, others = self._starts
+        (own, force), slopes = self.leader.follow_linearised(
+            first, lead, motion, duration=self.duration, along=grid.along
+        )
+        run, along = _looked_at(own, grid), _looked_at(slopes.run, grid)
+        if self.followers is not None:
+            pulled = np.moveaxis(slopes.force, -1, 1)
+            more, their = self.followers.follow_linearised(
+                others,
+                self._led(lead, motion, force),
+                duration=self.duration,
+                along=(grid.along, pulled),
+            )
+            run = _joined(run, _looked_at(more, grid))
+            along = _joined(along, _looked_at(their, grid))
+        ends, endings = self.arriving.linearised(run, self.goals, along=along)
         outside, aside = self._outside(point)
         second = roughness(point.size)
-        pairs += [
-            *self._commanded(point, *runs[0]),
+        pairs = [
+            *zip(self._arrived(ends), self._arrived(endings), strict=True),
+            (
+                self._tracked(run.positions[..., 0] - grid.plain_way),
+                self._tracked(along.positions[:, :, 0]),
+            ),
+            *self._commanded(point, own, slopes.run),
             (outside / OUTSIDE, aside / OUTSIDE),
             (second @ point, second),
         ]
@@ -275,6 +193,21 @@ class Misfit:
             ]
         )
 
+    def _led(self, lead: Lead, motion: Moment, force: Float[np.ndarray, "1 steps"]) -> Led:
+        """What the others are told."""
+        return Led(Lead(lead.lower + self._shifts, lead.height), motion.slope[..., 0], force)
+
+    def _arrived(self, ends: Arrival) -> list[np.ndarray]:
+        weight, resting = self.robots.weight, self.robots.resting
+        return [
+            _by_robot(weight / VIBRATION, ends.vibration),
+            _by_robot(weight / SLIDING, ends.sliding),
+            _by_robot(resting / RESTING, ends.rest),
+        ]
+
+    def _tracked(self, way: np.ndarray) -> np.ndarray:
+        return _by_robot(self.robots.weight / TRACKING, way)
+
     def _excess(self, volts: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Commands beyond what is left to the PD [V]."""
         return np.maximum(np.abs(volts) - self.limit, 0.0)
@@ -284,11 +217,11 @@ class Misfit:
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Residuals of commands with their derivatives; nothing where there are none."""
         rows, motion = self.grid.commanded, self.grid.commanded_motion(point)
-        if not np.any(self._excess(self.leader.commands(run.positions[:, rows], motion))):
+        if not np.any(self._excess(self.commands(run, point))):
             return []
         along = (
             np.moveaxis(slopes.positions[:, rows], -1, 1),
-            Moment(*(own[:, :, rows] for own in self.grid.aside)),
+            self.grid.looked_aside,
         )
         volts, slope = self.leader.commands_linearised(
             run.positions[:, rows], motion, along=along
@@ -302,11 +235,25 @@ class Misfit:
         self, point: Float[np.ndarray, " splines"]
     ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n splines"]]:
         """How far the lower carriage is led out of the frame, with derivatives [m; 1]."""
-        (low, high), looked_at = self.guide, self.grid.begins.rows(self.grid.commanded)
+        (low, high), looked_at = self.guide, self.grid.looked_at
         place = looked_at.lower(point)
         out = np.maximum(np.maximum(low - place, place - high), 0.0)
         side = np.where(out > 0, np.sign(place - low), 0.0)
         return out, side[:, None] * looked_at.splines.value
+
+
+def _by_robot(factor: Float[np.ndarray, " robots"], own: np.ndarray) -> np.ndarray:
+    return own * factor.reshape(-1, *(1,) * (own.ndim - 1))
+
+
+def _joined(first: Followed, others: Followed) -> Followed:
+    """A run of all robots."""
+    return jax.tree.map(lambda *parts: np.concatenate(parts), first, others)
+
+
+def _looked_at(run: Followed, grid: Grid) -> Followed:
+    """A run, or its derivatives, with the positions that the profile is compared with."""
+    return run._replace(positions=run.positions[:, grid.tracked])
 
 
 class Motion(Merit):

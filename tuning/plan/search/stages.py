@@ -11,7 +11,6 @@ Which of them leads deepest shows after a dozen steps for the farthest robots al
 each to its end for all of them takes half as long again, and leaves a tenth less.
 """
 
-import dataclasses
 from typing import NamedTuple
 
 import jax
@@ -22,6 +21,7 @@ from scdpr_jax.command.controller import PD
 from scdpr_jax.legs.ensemble import Variation
 from scdpr_jax.numerics.levenberg_marquardt import Damping, Minimum, Stopping, minimise
 from scdpr_jax.robot.parameters import Robot
+from tuning.plan.led.following import Arriving, Followers, Leader
 from tuning.plan.led.servo import Servo, servo
 from tuning.plan.leg import Leg
 from tuning.plan.search.misfit import Misfit, Motion
@@ -58,46 +58,58 @@ LAST = Stage(3, 1e-3)
 """The same on the fine grid."""
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Models:
+class Team(NamedTuple):
+    """Robots that are planned for, ready to be led."""
+
+    robots: Scenarios
+    """The robots, the one whose dynamics are inverted first."""
+    leader: Leader
+    followers: Followers | None
+    arriving: Arriving
+
+    def misfit(self, leg: Leg, duration: float) -> Misfit:
+        """The misfit of motions.
+
+        Args:
+            leg: The leg.
+            duration: Length of the steps at the most, as in `steps_of`.
+
+        Returns:
+            The misfit.
+        """
+        return Misfit(leg, *self, steps_of(leg, duration))
+
+
+def team(leader: Scenarios, others: Scenarios | None, servo: Servo) -> Team:
+    """Robots that are planned for.
+
+    Args:
+        leader: The one whose dynamics are inverted.
+        others: Those under its feed-forward; None for none.
+        servo: The PD that is left with what they do otherwise.
+
+    Returns:
+        The team. Where its leader is to rest counts in full: for itself it is the fitted one.
+    """
+    first = leader._replace(resting=leader.weight)
+    if others is None:
+        return Team(first, Leader(leader.robot), None, Arriving(leader.robot))
+    every = jax.tree.map(lambda *parts: np.concatenate(parts), first, others)
+    followers = Followers(others.robot, servo)
+    return Team(every, Leader(leader.robot), followers, Arriving(every.robot))
+
+
+class Models(NamedTuple):
     """The robots that a search is for, under their PD."""
 
-    fitted: Scenarios
+    fitted: Team
     """The fitted one alone."""
-    guesses: tuple[Scenarios, ...]
+    guesses: tuple[Team, ...]
     """Those whose motions are first guesses, each alone."""
-    others: Scenarios
-    """Robots as they might be, the farthest ones first."""
-    servo: Servo
-
-    def alone(self, leg: Leg, robot: Scenarios, duration: float) -> Misfit:
-        """The misfit of a robot whose own dynamics are inverted.
-
-        Args:
-            leg: The leg.
-            robot: The robot.
-            duration: Length of the steps at the most, as in `steps_of`.
-
-        Returns:
-            The misfit.
-        """
-        # Where it is to rest counts in full: for itself it is the fitted one.
-        itself = robot._replace(resting=robot.weight)
-        return Misfit(leg, itself, None, self.servo, steps_of(leg, duration))
-
-    def together(self, leg: Leg, duration: float, *, others: int | None = None) -> Misfit:
-        """The misfit of all robots.
-
-        Args:
-            leg: The leg.
-            duration: Length of the steps at the most, as in `steps_of`.
-            others: How many of the others are among them; None for all.
-
-        Returns:
-            The misfit.
-        """
-        some = jax.tree.map(lambda leaf: leaf[:others], self.others)
-        return Misfit(leg, self.fitted, some, self.servo, steps_of(leg, duration))
+    farthest: Team
+    """The fitted one and the farthest others."""
+    every: Team
+    """The fitted one and all others."""
 
 
 def models(robot: Robot, controller: PD, *, told: bool) -> Models:
@@ -111,11 +123,15 @@ def models(robot: Robot, controller: PD, *, told: bool) -> Models:
     Returns:
         All of them.
     """
+    own, fitted = servo(robot, controller), scenarios(robot, FITTED)
+    others = scenarios(robot, VARIATIONS, told=told)
+    farthest = jax.tree.map(lambda leaf: leaf[: len(FARTHEST)], others)
+    guesses = (scenarios(robot, (Variation(friction=share),)) for share in GUESSES)
     return Models(
-        scenarios(robot, FITTED),
-        tuple(scenarios(robot, (Variation(friction=share),)) for share in GUESSES),
-        scenarios(robot, VARIATIONS, told=told),
-        servo(robot, controller),
+        team(fitted, None, own),
+        tuple(team(guess, None, own) for guess in guesses),
+        team(fitted, farthest, own),
+        team(fitted, others, own),
     )
 
 
@@ -130,13 +146,13 @@ def search(leg: Leg, about: Models) -> Float[np.ndarray, " splines"]:
         Coefficients of its splines [m].
     """
     plain = np.zeros(leg.splines)
-    alone = [about.alone(leg, own, COARSE) for own in about.guesses]
+    alone = (guess.misfit(leg, COARSE) for guess in about.guesses)
     guesses = [plain, *(descend(own, plain, GUESS).point for own in alone)]
-    extreme = about.together(leg, COARSE, others=len(FARTHEST))
-    ends = (descend(extreme, guess, EXTREME) for guess in guesses)
+    farthest = about.farthest.misfit(leg, COARSE)
+    ends = (descend(farthest, guess, EXTREME) for guess in guesses)
     best = min(ends, key=lambda own: own.normal.cost)
-    found = descend(about.together(leg, COARSE), best.point, ALL)
-    return descend(about.together(leg, FINE), found.point, LAST).point
+    found = descend(about.every.misfit(leg, COARSE), best.point, ALL)
+    return descend(about.every.misfit(leg, FINE), found.point, LAST).point
 
 
 def descend(

@@ -23,6 +23,7 @@ static const double STILL = $still, ON_TARGET = $on_target, MOST_VOLTS = $within
 static const double PLAIN_VOLTS = $plain_volts, SHORTEST = $shortest, NEGLIGIBLE = $negligible;
 static const double AFTERWARDS = $afterwards, FALL = $fall, RISE = $rise, FLOOR = $floor;
 static const double FIRST_DAMPING = $first_damping, LEAST = $least;
+static const double JUST_BEFORE = $just_before;
 enum { ATTEMPTS = $attempts, REJECTIONS = $rejections, INSTANTS = $instants };
 enum { TRACKED = $tracked, COMMANDED = $commanded };
 
@@ -209,47 +210,68 @@ static int robots_in(int stage)
     return stage <= OTHER_GUESS ? 1 : stage <= THIRD_EXTREME ? 1 + $farthest : ROBOTS;
 }
 
+/* The motion at an instant at which commands are looked at, and the splines' part in it. */
+struct instant {
+    double motion[6], active[3 * ACTIVE];
+    int first;
+};
+
+static void look_at(const scdpr_leg *leg, const double *c, int k, struct instant *at)
+{
+    double *motion = at->motion, *active = at->active;
+    if (k < 0) { /* Just before the lower carriage holds. */
+        double about[2] = {leg->moving, leg->splines}, all[1 + 3 * ACTIVE];
+        double time = leg->moving * JUST_BEFORE;
+        plain_at(leg->course, &time, motion);
+        splines_at(about, &time, all);
+        at->first = (int)all[0];
+        memcpy(active, all + 1, sizeof at->active);
+    } else {
+        at->first = leg->half[2 * k].first;
+        motion[0] = leg->half[2 * k].lower;
+        motion[1] = leg->half[2 * k].height;
+        for (int i = 0; i < 2; i++) {
+            motion[2 + i] = leg->begin[k].slope[i];
+            motion[4 + i] = leg->begin[k].curvature[i];
+        }
+        for (int j = 0; j < ACTIVE; j++) {
+            active[j] = leg->half[2 * k].value[j];
+            active[ACTIVE + j] = leg->begin[k].slopes[j];
+            active[2 * ACTIVE + j] = leg->begin[k].curvatures[j];
+        }
+    }
+    for (int j = 0; j < ACTIVE; j++)
+        if (at->first + j >= 0 && at->first + j < leg->splines)
+            for (int i = 0; i < 3; i++)
+                motion[2 * i] += c[at->first + j] * active[i * ACTIVE + j];
+}
+
 static void commanded(scdpr_leg *leg, const double *robot, const double *c, int k, int count)
 {
     scdpr_leg_robot *own = &leg->robot[0];
-    double motion[6], volts[2], along[2][SPLINES];
-    int first = leg->half[2 * k].first;
-    motion[0] = lower_at(leg, c, 2 * k);
-    motion[1] = leg->half[2 * k].height;
-    for (int i = 0; i < 2; i++) {
-        motion[2 + i] = leg->begin[k].slope[i];
-        motion[4 + i] = leg->begin[k].curvature[i];
-    }
-    for (int j = 0; j < ACTIVE; j++)
-        if (first + j >= 0 && first + j < leg->splines) {
-            motion[2] += c[first + j] * leg->begin[k].slopes[j];
-            motion[4] += c[first + j] * leg->begin[k].curvatures[j];
-        }
+    double volts[2], along[2][SPLINES], moving[SPLINES][6];
+    struct instant at;
+    look_at(leg, c, k, &at);
+    const double *motion = at.motion;
     command(robot, own->state, motion, volts);
-    bool excess = fabs(volts[0]) > ALLOWED || fabs(volts[1]) > ALLOWED;
+    memset(moving, 0, sizeof moving);
+    for (int j = 0; j < ACTIVE; j++)
+        if (at.first + j >= 0 && at.first + j < count)
+            for (int i = 0; i < 3; i++)
+                moving[at.first + j][2 * i] = at.active[i * ACTIVE + j];
     double out = largest(largest(LOW - motion[0], motion[0] - HIGH), 0);
     if (out > 0) {
-        double aside[SPLINES] = {0};
-        along_at(leg, 2 * k, leg->splines, aside, 1);
+        double aside[SPLINES];
         for (int i = 0; i < count; i++)
-            aside[i] *= (motion[0] > HIGH ? 1 : -1) / OUTSIDE;
+            aside[i] = moving[i][0] * (motion[0] > HIGH ? 1 : -1) / OUTSIDE;
         add(leg, out / OUTSIDE, aside, count);
     }
-    if (!excess)
+    if (!(fabs(volts[0]) > ALLOWED || fabs(volts[1]) > ALLOWED))
         return;
     if (leg->linear) {
-        double position[SPLINES][3], moving[SPLINES][6], slopes[SPLINES][2];
-        memset(moving, 0, sizeof moving);
+        double position[SPLINES][3], slopes[SPLINES][2];
         for (int i = 0; i < count; i++)
             memcpy(position[i], own->state_along[i], sizeof position[i]);
-        for (int j = 0; j < ACTIVE; j++) {
-            int spline = first + j;
-            if (spline < 0 || spline >= count)
-                continue;
-            moving[spline][0] = leg->half[2 * k].value[j];
-            moving[spline][2] = leg->begin[k].slopes[j];
-            moving[spline][4] = leg->begin[k].curvatures[j];
-        }
         command_along(robot, own->state, motion, position[0], moving[0], volts, slopes[0], count);
         for (int i = 0; i < count; i++)
             for (int d = 0; d < 2; d++)
@@ -332,6 +354,8 @@ static double misfit(scdpr_leg *leg, const double *c, int stage, bool linear)
             tracked(leg, robots, k, active);
         if (k < leg->moves && k % COMMANDED == 0)
             commanded(leg, fitted, c, k, active);
+        if (k == (int)(leg->moving / leg->duration))
+            commanded(leg, fitted, c, -1, count);
         if (linear) {
             memset(along, 0, sizeof along[0] * (size_t)active);
             for (int i = 0; i < 3; i++)
@@ -550,14 +574,20 @@ static bool is_good(scdpr_leg *leg, const double *c)
     arrive(FITTED, leg->robot[0].state, goal, row);
     begin_at(leg, 0, leg->robot[0].state);
     for (int k = 0; k < leg->steps; k++) {
-        double lower[3], height[3], motion[6], volts[2];
+        double lower[3], height[3], volts[2];
+        struct instant at;
         for (int i = 0; i < 3; i++) {
             lower[i] = lower_at(leg, c, 2 * k + i);
             height[i] = leg->half[2 * k + i].height;
         }
         if (k < leg->moves && k % COMMANDED == 0) {
-            motion_at(leg->course, leg->moving, leg->splines, c, leg->duration * k, motion);
-            command(FITTED, leg->robot[0].state, motion, volts);
+            look_at(leg, c, k, &at);
+            command(FITTED, leg->robot[0].state, at.motion, volts);
+            most = largest(most, largest(fabs(volts[0]), fabs(volts[1])));
+        }
+        if (k == (int)(leg->moving / leg->duration)) {
+            look_at(leg, c, -1, &at);
+            command(FITTED, leg->robot[0].state, at.motion, volts);
             most = largest(most, largest(fabs(volts[0]), fabs(volts[1])));
         }
         lead(FITTED, &leg->duration, leg->robot[0].state, lower, height, leg->robot[0].state);
