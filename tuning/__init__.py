@@ -30,7 +30,11 @@ from tuning.loop.worst_margins import worst_margins as worst_margins
 from tuning.plan.plan import Plan as Plan
 from tuning.plan.plan_file import read_plan as read_plan
 from tuning.plan.plan_file import write_plan as write_plan
+from tuning.plan.planning import Planned as Planned
+from tuning.plan.planning import Wanted as Wanted
 from tuning.plan.planning import plan_leg as plan_leg
+from tuning.plan.planning import plan_legs as plan_legs
+from tuning.plan.planning import resting_start as resting_start
 from tuning.regions.residual_map import residual_map as residual_map
 from tuning.regions.schedule import ScheduledTrajectory as ScheduledTrajectory
 from tuning.regions.schedule import schedule_of as schedule_of

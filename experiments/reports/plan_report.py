@@ -10,7 +10,7 @@ from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
 from experiments.studies.planned_leg import SIDES, Compared
 from scdpr_jax.legs.measures import SETTLED, LegMeasures
-from tuning.plan.plan import Plan
+from tuning.plan.planning import Planned
 
 _METHOD = (
     "A plan is the motion of the lower carriage and of the height, with the commands that it "
@@ -26,12 +26,12 @@ _METHOD = (
 
 
 def sentences(
-    plan: Plan, compared: Compared, *, voltage_limit: float, caution: str = ""
+    planned: Planned, compared: Compared, *, voltage_limit: float, caution: str = ""
 ) -> list[str]:
     """What a plan comes to, in plain words.
 
     Args:
-        plan: The plan.
+        planned: The plan.
         compared: Its runs.
         voltage_limit: Largest command of either sign [V].
         caution: What its tuning warns of; empty for nothing.
@@ -39,6 +39,7 @@ def sentences(
     Returns:
         Sentences.
     """
+    plan = planned.plan
     before, after = compared.plain[0].measures, compared.planned[0].measures
     left = [run.measures.residual_vibration for run in compared.planned]
     worst = int(np.argmax(left))
@@ -52,6 +53,16 @@ def sentences(
         f"Of the robots that it was made for, that which vibrates the most does so by "
         f"{_mm(left[worst])} mm ({compared.names[worst]}).",
     ]
+    if planned.leg.time > planned.asked_time:
+        lines.append(
+            f"It takes {plain(plan.time[-1], 3)} s, not {plain(planned.asked_time, 3)} s: in "
+            "the time that was asked for the drives can't bring everything to rest."
+        )
+    if planned.is_plain:
+        lines.append(
+            "It is the plain profile without feed-forward: over the robots below the planned "
+            "motion is expected to leave more."
+        )
     if max(run.measures.largest_voltage for run in compared.planned) >= voltage_limit:
         lines.append(
             f"SHORT of what is asked: the drives come to their limit of {voltage_limit:g} V, "
@@ -111,7 +122,7 @@ def tables(compared: Compared) -> tuple[Table, Table]:
 
 def show(
     console: Console,
-    plan: Plan,
+    planned: Planned,
     compared: Compared,
     *,
     voltage_limit: float,
@@ -121,24 +132,29 @@ def show(
 
     Args:
         console: Where to print it.
-        plan: The plan.
+        planned: The plan.
         compared: Its runs.
         voltage_limit: Largest command of either sign [V].
         caution: What its tuning warns of; empty for nothing.
     """
     for table in tables(compared):
         print_table(console, table)
-    told = sentences(plan, compared, voltage_limit=voltage_limit, caution=caution)
+    told = sentences(planned, compared, voltage_limit=voltage_limit, caution=caution)
     print_lines(console, told)
 
 
 def plan_page(
-    plan: Plan, compared: Compared, *, voltage_limit: float, tuning: str, caution: str = ""
+    planned: Planned,
+    compared: Compared,
+    *,
+    voltage_limit: float,
+    tuning: str,
+    caution: str = "",
 ) -> str:
     """A plan as a page that needs nothing else.
 
     Args:
-        plan: The plan.
+        planned: The plan.
         compared: Its runs.
         voltage_limit: Largest command of either sign [V].
         tuning: Name of the tuning that it is for.
@@ -147,11 +163,12 @@ def plan_page(
     Returns:
         HTML.
     """
+    plan = planned.plan
     begun, ended = _place(plan.position[0]), _place(plan.position[-1])
     return page(
         "findings.html.j2",
         title=f"Leg from {begun} to {ended}",
-        sentences=sentences(plan, compared, voltage_limit=voltage_limit, caution=caution),
+        sentences=sentences(planned, compared, voltage_limit=voltage_limit, caution=caution),
         tables=tables(compared),
         pictures=[
             Pictures()(

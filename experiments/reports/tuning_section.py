@@ -106,7 +106,10 @@ def _legs(tuning: Tuning) -> Table:
     title = "Random legs over the workspace, on robots as they might be"
     if tuning.legs is None:
         return table_of(title, ())
-    sides = (("Eq. (25), plain", tuning.legs.before), ("gains and shapers", tuning.legs.after))
+    sides = [("Eq. (25), plain", tuning.legs.before), ("gains and shapers", tuning.legs.after)]
+    if tuning.legs.planned is not None:
+        count = len(tuning.legs.planned.vibration)
+        sides.append((f"planned, the first {count}", tuning.legs.planned))
     return table_of(
         title,
         (

@@ -1,6 +1,7 @@
 """A planned leg, and the same leg as the paper runs it, simulated side by side."""
 
 import dataclasses
+import math
 
 import jax
 import numpy as np
@@ -11,11 +12,14 @@ from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import joint_references
 from scdpr_jax.legs.command_law import Commands
 from scdpr_jax.legs.ensemble import Ensemble, Variation, varied
-from scdpr_jax.legs.leg import Leg, leg_of, run_leg
+from scdpr_jax.legs.leg import Leg as Run
+from scdpr_jax.legs.leg import leg_of, run_leg
 from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.parameters import Robot
+from tuning.plan.expectation import ROBOTS
+from tuning.plan.leg import Leg
 from tuning.plan.plan import Plan
-from tuning.plan.planning import VARIATIONS
+from tuning.plan.planning import Planned
 
 AFTERWARDS = 1.5
 """Time that is looked at after the leg [s]."""
@@ -29,30 +33,44 @@ class Compared:
 
     names: tuple[str, ...]
     """What is different about each robot, the fitted one first."""
-    plain: tuple[Leg, ...]
+    plain: tuple[Run, ...]
     """The plain profile under the PD of Eq. (25)."""
-    planned: tuple[Leg, ...]
+    planned: tuple[Run, ...]
     """The plan."""
 
 
-def compare(robot: Robot, controller: PD, plan: Plan) -> Compared:
-    """The leg as the paper runs it, and as planned, on the robots of `VARIATIONS`.
+def compare(robot: Robot, controller: PD, planned: Planned) -> Compared:
+    """The leg as the paper runs it, and as planned, on the robots of `ROBOTS`.
 
     Args:
         robot: The fitted robot.
         controller: The PD controller of the plan.
-        plan: The plan.
+        planned: The plan.
 
     Returns:
         Both on every robot, in the time of the plan.
     """
-    robots = varied(robot, VARIATIONS, plan.position[0])
-    plain = plain_leg(robot, plan)
-    return Compared(
-        tuple(map(_words, VARIATIONS)),
-        _legs(robots, plain.commands(robot, published_pd(), rest=AFTERWARDS)),
-        _legs(robots, plan.commands(robot, controller, rest=AFTERWARDS)),
+    leg, plan = planned.leg, planned.plan
+    robots = dataclasses.replace(
+        varied(robot, ROBOTS, np.asarray(leg.start)),
+        out_of_line=np.array([own.out_of_line for own in ROBOTS]) + _share(robot, leg),
     )
+    plain, period = plain_leg(robot, plan), float(controller.period)
+    # One length of runs for a second of leg times: fewer programs.
+    whole = math.ceil(plan.time[-1] + AFTERWARDS)
+    rest = period * (round(whole / period) - plan.time.size + 1)
+    return Compared(
+        tuple(map(_words, ROBOTS)),
+        _legs(robots, plain.commands(robot, published_pd(), rest=rest)),
+        _legs(robots, plan.commands(robot, controller, rest=rest)),
+    )
+
+
+def _share(robot: Robot, leg: Leg) -> float:
+    """Slope at the leg's begin over what friction holds [1]."""
+    carriages = (robot.lower_carriage, robot.upper_carriage)
+    held = min(float(own.friction.coefficient) for own in carriages)
+    return leg.slope / held if leg.slope else 0.0
 
 
 def plain_leg(robot: Robot, plan: Plan) -> Plan:
@@ -93,7 +111,7 @@ def _words(variation: Variation) -> str:
     return ", ".join(parts) or "as fitted"
 
 
-def _legs(robots: Ensemble, commands: Commands) -> tuple[Leg, ...]:
+def _legs(robots: Ensemble, commands: Commands) -> tuple[Run, ...]:
     legs = jax.tree.map(np.asarray, leg_of(_run(robots, commands)))
     return tuple(
         jax.tree.map(lambda leaf, row=row: leaf[row], legs) for row in range(len(robots))

@@ -5,6 +5,7 @@ from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, PyTree
 
 from scdpr_jax.robot.fields import concrete, real, refuse, si
@@ -54,9 +55,11 @@ class Controller(eqx.Module):
 class PDState(eqx.Module):
     """What a PD controller remembers from one sample to the next."""
 
-    error: Float[Array, "2"] = eqx.field(metadata=si("rad", r"\varepsilon"))
+    error: Float[Array | np.ndarray, "... 2"] = eqx.field(metadata=si("rad", r"\varepsilon"))
     """Error of the sample before [rad]."""
-    derivative: Float[Array, "2"] = eqx.field(metadata=si("rad/s", r"\dot\varepsilon"))
+    derivative: Float[Array | np.ndarray, "... 2"] = eqx.field(
+        metadata=si("rad/s", r"\dot\varepsilon")
+    )
     """Its filtered derivative [rad/s]."""
 
 

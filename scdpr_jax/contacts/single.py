@@ -78,6 +78,19 @@ def branch_at_start(
     return jnp.where(velocity != 0, jnp.sign(velocity), pushed)
 
 
+def leaves(assumed: Assumed) -> Bool[Array, ""]:
+    """Whether the carriage leaves the branch that it began the step on.
+
+    Args:
+        assumed: The motion on that branch.
+
+    Returns:
+        Whether it does; if not, its `deviation` is nothing.
+    """
+    breaks_away = jnp.abs(assumed.load(1.0)) > assumed.limit
+    return jnp.where(assumed.branch == 0, breaks_away, _stop(assumed)[1])
+
+
 def deviation(assumed: Assumed) -> Deviation:
     r"""Where the carriage leaves its branch, and how far the friction then deviates.
 

@@ -6,6 +6,8 @@
 `kept_jit` compiles functions with such runs in them, and keeps what was traced.
 """
 
+from .direct import Runs as Runs
+from .direct import Slopes as Slopes
 from .kept_programs import kept_jit as kept_jit
 from .running import run as run
 from .running import scan as scan

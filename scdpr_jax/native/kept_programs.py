@@ -144,16 +144,23 @@ def _file(parts: Iterable[Any], about: str) -> str:
     if _UNNAMED.search(about):
         return ""
     try:
-        sources = [_sources(name) for name in sorted({n.split(".")[0] for n in names})]
-        depends = (machine.fingerprint(), *sources, jax.default_backend().encode())
+        texts = [sources(name) for name in sorted({n.split(".")[0] for n in names})]
+        depends = (machine.fingerprint(), *texts, jax.default_backend().encode())
     except (ImportError, OSError):
         return ""
     return "program_" + hashlib.sha256(b"".join([*depends, about.encode()])).hexdigest()[:40]
 
 
 @functools.cache
-def _sources(package: str) -> bytes:
-    """A hash of a package's sources, and of those of this one."""
+def sources(package: str) -> bytes:
+    """A hash of a package's sources, of those of this one, and of versions.
+
+    Args:
+        package: The package's name.
+
+    Returns:
+        The hash.
+    """
     folders = {pathlib.Path(*importlib.import_module(own).__path__) for own in {package, _OWN}}
     files = sorted(file for folder in folders for file in folder.rglob("*.py"))
     versions = f"{jax.__version__} {eqx.__version__} {np.__version__}"

@@ -12,8 +12,6 @@ from typing import NamedTuple
 import jax
 
 from scdpr_jax.native import store
-from scdpr_jax.native.handler import handler_ir
-from scdpr_jax.native.interface import header
 from scdpr_jax.native.kernel import Kernel
 from scdpr_jax.native.scalar.differentiation import PREFIX, differentiated
 from scdpr_jax.native.scalar.elementary import vectorised
@@ -22,6 +20,8 @@ from scdpr_jax.native.scalar.reading import read
 from scdpr_jax.native.scalar.sinking import sunk
 from scdpr_jax.native.scalar.tangent_loops import loop_over_tangents
 from scdpr_jax.native.traced import Step
+from scdpr_jax.native.xla.handler import handler_ir
+from scdpr_jax.native.xla.interface import header
 
 CHECKED = ("linux", "x86_64")
 """The system and the processor that this was checked on."""
@@ -68,6 +68,27 @@ def handler_name(step: Step, wanted: Wanted, *, lanes: int) -> str:
         if name not in _handlers:
             _handlers[name] = _registered(name, _emitted(step, wanted, lanes, name))
         return name
+
+
+def group_address(step: Step, wanted: Wanted, *, lanes: int) -> int:
+    """Where a step's machine code for a group of robots begins (`kernel.Kernel.text`).
+
+    Args:
+        step: The step.
+        wanted: What its runs are to bring.
+        lanes: Robots in a vector.
+
+    Returns:
+        Address of a function of a task and the group's number.
+
+    Raises:
+        ImportError: If there is no llvmlite.
+        NotImplementedError: If a primitive has no rule, or XLA's interface is unknown.
+        RuntimeError: If LLVM or XLA refuses the code.
+        OSError: If the interface's header is missing.
+    """
+    name = handler_name(step, wanted, lanes=lanes)
+    return _handlers[name].get_function_address(f"{name}_group")
 
 
 HANDLER = "run_"

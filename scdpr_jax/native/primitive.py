@@ -61,7 +61,16 @@ def _inputs_from(step: Step) -> int:
 # The ordinary XLA way.
 
 
-def _results(*operands: jax.Array, step: Step) -> list[jax.Array]:
+def results_by_xla(*operands: jax.Array, step: Step) -> list[jax.Array]:
+    """`results` as an ordinary program of XLA's.
+
+    Args:
+        operands: Arguments of the step, as `results` has them.
+        step: The step.
+
+    Returns:
+        What the last step carries on, and outputs.
+    """
     function = jaxpr_as_fun(step.closed)
     kinds = [own.aval.dtype for own in step.closed.jaxpr.invars]
 
@@ -96,7 +105,7 @@ def _moved(
     def function(*moved: jax.Array) -> list[jax.Array]:
         new = iter(moved)
         pairs = zip(operands, moving, strict=True)
-        return _results(*(next(new) if moves else x for x, moves in pairs), **static)
+        return results_by_xla(*(next(new) if moves else x for x, moves in pairs), **static)
 
     rows = zip(own, robots, strict=True)
     return function, tuple(jnp.broadcast_to(x, (n, *x.shape[1:])) for x, n in rows)
@@ -110,8 +119,18 @@ def _slopes(*given: jax.Array, moving: tuple[bool, ...], **static: Step) -> list
     return jax.vmap(lambda *along: jax.jvp(function, own, along)[1], 1, -1)(*seeds)
 
 
-def _both(*given: jax.Array, moving: tuple[bool, ...], **static: Step) -> list[jax.Array]:
-    values = _results(*given[: len(moving)], **static)
+def both_by_xla(*given: jax.Array, moving: tuple[bool, ...], **static: Step) -> list[jax.Array]:
+    """Results and derivatives as an ordinary program of XLA's.
+
+    Args:
+        given: Arguments of the step, then tangents of those that move.
+        moving: Which move.
+        static: The step.
+
+    Returns:
+        Results, then their derivatives, which have tangents last.
+    """
+    values = results_by_xla(*given[: len(moving)], **static)
     return [*values, *_slopes(*given, moving=moving, **static)]
 
 
@@ -335,11 +354,11 @@ def _primitive(name: str, like: Callable, by_xla: Callable, *, values: bool) -> 
     return own
 
 
-_results_p = _primitive("native_run", _results_like, _results, values=True)
+_results_p = _primitive("native_run", _results_like, results_by_xla, values=True)
 ad.primitive_jvps[_results_p] = _pushed
 _slopes_p = _primitive("native_run_slopes", _slopes_like, _slopes, values=False)
 ad.primitive_transposes[_slopes_p] = _pulled
-_both_p = _primitive("native_run_with_slopes", _both_like, _both, values=True)
+_both_p = _primitive("native_run_with_slopes", _both_like, both_by_xla, values=True)
 partial_eval.custom_partial_eval_rules[_both_p] = _partly_known
 partial_eval.partial_eval_jaxpr_custom_rules[_both_p] = _partly_kept
 # JAX 0.12 tells between what is used and the equation which of its inputs are alive.

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from scdpr_jax.native.machine import _processor
-from scdpr_jax.native.printers.c99 import c99
+from scdpr_jax.native.printers.c99 import INCLUDES, c99
 from scdpr_jax.native.printers.llvm_ir import llvm_ir
 from scdpr_jax.native.scalar.reading import read
 from scdpr_jax.native.traced import trace
@@ -128,7 +128,14 @@ def by_cc(program):
         pytest.skip("There is no C compiler.")
     with tempfile.TemporaryDirectory() as folder:
         source, library = pathlib.Path(folder, "printed.c"), pathlib.Path(folder, "printed.so")
-        source.write_text(c99(program, "printed_program"))
+        inputs = [f"const double *{own}" for own in program.arguments]
+        counted = ["long tangents"] * bool(program.each)
+        calling = ", ".join([*inputs, *(f"double *{own}" for own in program.results), *counted])
+        names = ", ".join(own.split()[-1].strip("*") for own in calling.split(", "))
+        declared = f"void entry({calling});"
+        entry = f"{declared}\n{declared[:-1]} {{ printed_program({names}); }}\n"
+        printed = c99(program, "printed_program", most_tangents=8)
+        source.write_text(INCLUDES + printed + entry)
         # Every warning but those on names that are not used.
         options = ["-std=c99", "-pedantic", "-Wall", "-Werror", "-Wno-unused", "-O1"]
         subprocess.run(
@@ -136,7 +143,7 @@ def by_cc(program):
         )
         loaded = ctypes.CDLL(str(library))
     ENGINES.append(loaded)
-    address = ctypes.cast(loaded.printed_program, ctypes.c_void_p).value
+    address = ctypes.cast(loaded.entry, ctypes.c_void_p).value
     return _called(program, address, (), list, list)
 
 

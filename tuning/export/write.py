@@ -5,6 +5,8 @@ import pathlib
 from scdpr_jax.numerics.files import write_whole
 from tuning.export import c_header, labview, matlab
 from tuning.export.description import describe
+from tuning.export.onboard.files import FOLDER, onboard_files
+from tuning.export.onboard.program import OnBoard
 from tuning.result.tuning import Tuning
 
 FORMATS = (
@@ -33,6 +35,10 @@ def write_exports(folder: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, .
     description = describe(tuning)
     # Every text is made before the first is written.
     texts = {folder / name: text(description) for name, text in FORMATS}
-    for path, text in texts.items():
+    fitted = tuning.robot_at()
+    planner = OnBoard(fitted.robot, tuning.controller, tuning.caution)
+    own = {folder / FOLDER / name: text for name, text in onboard_files(planner).items()}
+    for path, text in {**texts, **own}.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, text)
     return tuple(texts)

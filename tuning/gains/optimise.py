@@ -34,6 +34,8 @@ class Effort(NamedTuple):
     """Designs of a generation."""
     generations: int = 5
     """Generations."""
+    planned: int = 12
+    """Random legs that are planned, too, to say what plans would leave."""
 
 
 class Optimum(NamedTuple):

@@ -1,5 +1,6 @@
 """From a fitted robot and its measured frequencies to gains and shapers."""
 
+import dataclasses
 import functools
 from collections.abc import Callable, Iterator
 from typing import NamedTuple, Protocol, runtime_checkable
@@ -19,6 +20,7 @@ from tuning.gains.loss import loss
 from tuning.gains.manoeuvre import HEIGHT, LEG_TIMES, SPAN, predict, prediction_preparations
 from tuning.gains.notes import notes_of
 from tuning.gains.optimise import Effort, Optimum, optimise, scaled
+from tuning.gains.planned_legs import planned_legs
 from tuning.gains.possible_robots import Draws, PossibleRobot, possible_robots
 from tuning.gains.regional import (
     LEGS,
@@ -136,8 +138,14 @@ def tune(
     within = admissible([setting.fitted.robot for setting in settings])
     optimum = _optimum(main, within, effort, progress.part(0.1, 0.7, "gains and shaper"))
     progress("shapers of the regions", 0.7)
-    controller, shapers, legs = _never_worse(settings, main, optimum)
-    progress("manoeuvres before and after", 0.9)
+    seen = _seen(main, count=PREDICTED, seed=_TOLD)
+    controller, shapers, legs = _never_worse(settings, main, seen, optimum)
+    if effort.planned:
+        some = seen.legs.rows(np.arange(effort.planned))
+        inner = progress.part(0.8, 0.95, "legs as planned")
+        planned = planned_legs(main.fitted.robot, controller, some, progress=inner)
+        legs = dataclasses.replace(legs, planned=planned)
+    progress("manoeuvres before and after", 0.95)
     here = next(s for s in shapers if s.region == main.cells[_reference(main)].region)
     predicted = predict(main.fitted.robot, controller, here.shaper, leg_times=leg_times)
     fitted = tuple(setting.fitted for setting in settings)
@@ -241,7 +249,7 @@ def _optimum(main: _Setting, within: Admissible, effort: Effort, progress: Progr
 
 
 def _never_worse(
-    settings: list[_Setting], main: _Setting, optimum: Optimum
+    settings: list[_Setting], main: _Setting, seen: _Seen, optimum: Optimum
 ) -> tuple[PD, list[RegionalShaper], PredictedLegs]:
     """Shapers for the optimised gains, or for those of Eq. (25) where these are worse."""
     own = [scaled(optimum.shaper, _slower(main, setting)) for setting in settings]
@@ -250,7 +258,6 @@ def _never_worse(
         for setting in settings
     ]
     plain = [[runs(part, plain_law()) for part in parts] for parts in into]
-    seen = _seen(main, count=PREDICTED, seed=_TOLD)
     for controller in (optimum.controller, published_pd()):
         every = candidates(main.cells, optimum.shaper)
         names = _best_kinds(main, seen, controller, every)

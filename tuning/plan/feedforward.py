@@ -5,34 +5,26 @@ through the loop. So what is inverted are these two rows of the equations of mot
 the loop's pull as it is at the moment.
 """
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from scdpr_jax.engines.stepping import friction_coefficients
 from scdpr_jax.robot.cable import loop_forces
 from scdpr_jax.robot.dynamics import dampings, drive_friction, gravity_force, masses
-from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
-from scdpr_jax.robot.state import HEIGHT, LOWER, State, driven
+from scdpr_jax.robot.state import HEIGHT, LOWER, driven
 
 TURN_ROUND = 2e-3
 """Velocity over which the compensated friction turns round [m/s]: a step of the commands
 where a reference stops would shake what it is to hold."""
 
 
-class Motion(eqx.Module):
-    """A commanded motion of the lower carriage and of the height, $[q_3, y_e]$."""
-
-    position: Float[Array, "... 2"] = eqx.field(metadata=si("m"))
-    """Positions [m]."""
-    velocity: Float[Array, "... 2"] = eqx.field(metadata=si("m/s"))
-    """Velocities [m/s]."""
-    acceleration: Float[Array, "... 2"] = eqx.field(metadata=si("m/s^2"))
-    """Accelerations [m/s²]."""
-
-
-def inverse_dynamics(robot: Robot, state: State, motion: Motion) -> Float[Array, "2"]:
+def inverse_dynamics(
+    robot: Robot,
+    position: Float[Array, "5"],
+    velocity: Float[Array, "2"],
+    acceleration: Float[Array, "2"],
+) -> Float[Array, "2"]:
     r"""Commands under which lower carriage and height accelerate as motion.
 
     $$ f = m \ddot q + d \dot q + \mu N \tanh(\dot q / v_s) + \partial V / \partial q,
@@ -42,19 +34,20 @@ def inverse_dynamics(robot: Robot, state: State, motion: Motion) -> Float[Array,
 
     Args:
         robot: The robot.
-        state: Its state, of which the loop's pull is taken.
-        motion: The motion at that moment; its velocity decides which way friction acts.
+        position: Its coordinates, of which the loop's pull is taken [m, rad, m, m, m].
+        velocity: Velocities of $[q_3, y_e]$, which decide which way friction acts [m/s].
+        acceleration: Their accelerations [m/s²].
 
     Returns:
         Commands of both drives, not saturated [V].
     """
-    loop, drive = loop_forces(robot, state.position), robot.drive
+    loop, drive = loop_forces(robot, position), robot.drive
     pull = driven(loop.pull + gravity_force(robot))
-    inertial = driven(masses(robot)) * motion.acceleration
-    viscous = driven(dampings(robot)) * motion.velocity
+    inertial = driven(masses(robot)) * acceleration
+    viscous = driven(dampings(robot)) * velocity
     limit = friction_coefficients(robot)[0] * loop.normal[0]
-    dry = limit * jnp.tanh(motion.velocity[0] / TURN_ROUND)
+    dry = limit * jnp.tanh(velocity[0] / TURN_ROUND)
     force = (inertial + viscous - pull).at[0].add(dry)
     torque = drive.effective_radius / 2 * jnp.stack([force[0] + force[1], force[0] - force[1]])
-    moving = jnp.zeros(5, dtype=force.dtype).at[LOWER :: HEIGHT - LOWER].set(motion.velocity)
+    moving = jnp.zeros(5, dtype=force.dtype).at[LOWER :: HEIGHT - LOWER].set(velocity)
     return (torque + drive_friction(robot, moving)) / drive.torque_per_volt

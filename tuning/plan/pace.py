@@ -1,78 +1,77 @@
-"""How fast a leg is: its time, and how even the pace of its plain profile."""
+"""How even the pace of a leg's plain profile is, and the shortest time of the drives."""
 
 import dataclasses
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
-from scdpr_jax.legs.ensemble import single
-from scdpr_jax.native import kept_jit
-from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
-from tuning.plan.feedforward import inverse_dynamics
-from tuning.plan.profile import plain_motion
+from tuning.plan.led.following import Leader
+from tuning.plan.leg import Leg
+from tuning.plan.profile import Moment, plain_moments
+from tuning.plan.search.scenarios import FITTED, scenarios, starts
 
-LEG_TIME = 2.0
-"""Time of a leg that is not asked for otherwise, if the drives can [s]."""
-ORDERS = (2, 4, 6, 8, 10)
+ORDERS = (2.0, 4.0, 6.0, 8.0, 10.0)
 """Orders of the plain profile's `pace` to choose from, the paper's first [1]."""
-_PLAIN_SHARE = 0.92
+PLAIN_SHARE = 0.92
 """Share of the voltage limit that the plain profile may ask for [1]: the PD answers a count of
 the encoders with some 0.6 V, and a saturated drive doesn't follow."""
+SHORTEST, LONGEST = 0.5, 60.0
+"""Times of legs that are planned [s]: less than a period of the slowest mode is none."""
+STRETCH = 1.05
+"""By what a time is multiplied that is too short for the drives [1]."""
+INSTANTS = 40
+"""At how many instants of a leg its plain profile's commands are looked at."""
 
 
-@dataclasses.dataclass(frozen=True)
-class Pace:
-    """How fast a leg is, but for what the plan adds."""
-
-    leg_time: float = dataclasses.field(metadata=si("s"))
-    """Time of the leg [s]."""
-    order: int
-    """Order of its plain profile, `tuning.plan.profile.pace`."""
-
-
-def chosen_pace(
-    robot: Robot,
-    start: Float[np.ndarray, "2"],
-    end: Float[np.ndarray, "2"],
-    leg_time: float | None,
-) -> Pace:
-    """The first plain profile of `ORDERS` that the drives can follow in a leg's time.
+def paced(robot: Robot, leg: Leg) -> Leg:
+    """A leg with the first plain profile of `ORDERS` that the drives can follow in its time.
 
     Args:
         robot: The robot.
-        start: First position [m].
-        end: Last position [m].
-        leg_time: Time of the leg [s]; None for `LEG_TIME`, or as many tenths more as the
-            drives need.
+        leg: The leg.
 
     Returns:
-        Time and profile; where none can be followed in the time that was asked for, the one
-        that asks the least of the drives.
+        The leg with the order of its profile; where none can be followed, with the one that
+        asks the least of the drives.
     """
-    most = _PLAIN_SHARE * float(robot.drive.voltage_limit)
-    time = LEG_TIME if leg_time is None else leg_time
-    while True:
-        volts = np.asarray(_plain_voltages(robot, start, end, np.asarray(time)))
-        if min(volts) <= most or leg_time is not None:
-            first = next((k for k, v in enumerate(volts) if v <= most), int(np.argmin(volts)))
-            return Pace(time, ORDERS[first])
-        time = round(time + 0.1, 1)
+    most = PLAIN_SHARE * float(robot.drive.voltage_limit)
+    legs = [dataclasses.replace(leg, order=order) for order in ORDERS]
+    volts = [plain_voltage(robot, own) for own in legs]
+    first = next((k for k, v in enumerate(volts) if v <= most), int(np.argmin(volts)))
+    return legs[first]
 
 
-@kept_jit
-def _plain_voltages(
-    robot: Robot, start: Float[Array, "2"], end: Float[Array, "2"], leg_time: Float[Array, ""]
-) -> Float[Array, " orders"]:
-    """Largest commands of the plain profiles of `ORDERS`, the robot in line [V]."""
-    time = jnp.linspace(0.0, leg_time, 41)[:-1]
-    state = single(robot, start).start
+def plain_voltage(robot: Robot, leg: Leg) -> float:
+    """The largest command of a leg's plain profile, the robot lying as it does at the begin.
 
-    def largest(order: int) -> Float[Array, ""]:
-        motion = plain_motion(start, end, leg_time=leg_time, time=time, order=order)
-        volts = jax.vmap(lambda moment: inverse_dynamics(robot, state, moment))(motion)
-        return jnp.max(jnp.abs(volts))
+    Args:
+        robot: The robot.
+        leg: The leg.
 
-    return jnp.stack([largest(order) for order in ORDERS])
+    Returns:
+        Largest command of either drive [V].
+    """
+    time = leg.moving / INSTANTS * np.arange(INSTANTS)
+    value, slope, curvature = plain_moments(leg.course, time)
+    alone = scenarios(robot, FITTED)
+    still = np.broadcast_to(leg.course.begin, value.shape)
+    motion = Moment(still[None], slope[None], curvature[None])
+    rest = np.repeat(starts(alone, leg).position[:, None], INSTANTS, axis=1)
+    return float(np.max(np.abs(Leader(alone.robot).commands(rest, motion))))
+
+
+def possible(robot: Robot, leg: Leg) -> Leg:
+    """A leg in a time in which the drives can follow some plain profile.
+
+    Args:
+        robot: The robot.
+        leg: The leg in the time that is asked for.
+
+    Returns:
+        The leg in that time, or in as many steps of `STRETCH` more as the drives need.
+    """
+    most = PLAIN_SHARE * float(robot.drive.voltage_limit)
+    leg = dataclasses.replace(leg, time=max(leg.time, SHORTEST))
+    while plain_voltage(robot, paced(robot, leg)) > most and leg.time < LONGEST:
+        leg = dataclasses.replace(leg, time=leg.time * STRETCH)
+    return leg

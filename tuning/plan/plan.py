@@ -36,7 +36,7 @@ class Plan:
         )
 
     def driven(self, robot: Robot) -> Float[np.ndarray, "samples 2"]:
-        """Where lower carriage and height are to be.
+        """Where lower carriage and height are to be, which end in line with the end-effector.
 
         Args:
             robot: The robot.
@@ -46,7 +46,7 @@ class Plan:
         """
         turned = jax.vmap(forward_kinematics, in_axes=(0, None))
         way = turned(jnp.asarray(self.angle), robot.drive.effective_radius)
-        return self.position[0] + np.asarray(way)
+        return self.position[-1] + np.asarray(way) - np.asarray(way[-1])
 
     def commands(self, robot: Robot, controller: PD, *, rest: float) -> Commands:
         """The plan as a robot is told it.

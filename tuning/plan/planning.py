@@ -4,65 +4,88 @@ Friction makes what a shaper can't take away. It drags the upper carriage behind
 one, excites the modes when it starts and when it ends, and holds the upper carriage up to
 $\mu H$ out of line for good. While both carriages slide it is a constant force, though, and
 a motion of the lower carriage can bring everything to rest at one moment: that motion is
-found by least squares through the simulation with exact friction, over a handful of robots
-and start poses that the fit doesn't rule out.
+found by least squares through the simulation with exact friction
+(`tuning.plan.search.stages`), for the fitted robot, for robots that the fit doesn't rule out,
+and for starts that friction holds out of line.
+
+The drives are led by dynamics inversion, so that the search needs but the undriven coordinates
+(`scdpr_jax.engines.led_stepping`); on robots that aren't as fitted the PD leaves deviations,
+and the search knows those (`tuning.plan.led.servo`). What comes of a plan is computed by the
+whole closed loop in the end (`tuning.plan.expectation`), and where the plain profile is
+expected to leave less, the plain profile it is.
 """
 
-import functools
-from collections.abc import Callable
+import concurrent.futures
+import dataclasses
+from collections.abc import Iterable, Sequence
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
 from scdpr_jax.command.controller import PD
-from scdpr_jax.engines.closed_loop import joint_references
-from scdpr_jax.legs.ensemble import Ensemble, Variation, single, varied
-from scdpr_jax.native import kept_jit
-from scdpr_jax.numerics.levenberg_marquardt import Damping, Stopping, minimise
-from scdpr_jax.numerics.merit import SumOfSquares
 from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.side_by_side import CORES
+from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
-from tuning.plan.grid import REST, Grid, grid, led
-from tuning.plan.outcome import (
-    Outcome,
-    Pairs,
-    arriving,
-    common,
-    linearised,
-    resting,
-    roughness,
-    run_planned,
-)
-from tuning.plan.pace import Pace, chosen_pace
+from tuning.plan.at_rate import planned
+from tuning.plan.expectation import Expectation, expectation
+from tuning.plan.leg import Leg
+from tuning.plan.pace import paced, possible
 from tuning.plan.plan import Plan
+from tuning.plan.search.misfit import Misfit
+from tuning.plan.search.stages import COARSE, FINE, FIRST, Models, descend, models, search
 
-HOLD = 0.8
-"""Time after the leg that is looked at [s]: two and a half periods of 3 Hz."""
-SHORTEST = 0.5
-"""Shortest time of a leg that is planned [s]."""
-STEP = 5e-3
-"""Step of the search [s]; the plan itself is made at the controller's period."""
+LEG_TIME = 2.0
+"""Time of a leg that is not asked for otherwise, if the drives can [s]."""
+LONGER = 1.12
+"""By what a time is multiplied in which no motion is good [1]."""
+ATTEMPTS = 4
+"""Times that are tried; in the first of them the drives could follow the plain profile."""
+STILL, ON_TARGET = 0.15e-3, 0.3e-3
+"""Vibration and resting error of the fitted robot up to which a motion is good [m]."""
+NEGLIGIBLE = 0.3e-3
+"""Mean vibration up to which no plain profile is preferred, which rests millimetres off [m]."""
+UNSTEADY = 2e-3
+"""By how much a line's slope may be beyond twice what friction holds [1]: more is no noise of a
+camera, but another quantity."""
+WITHIN = 0.93
+"""Share of the voltage limit up to which its commands are [1]."""
 
-VARIATIONS = (
-    Variation(weight=3.0),
-    Variation(tension=1.03),
-    Variation(tension=0.97),
-    Variation(friction=1.2, weight=1.5),
-    Variation(friction=0.8, weight=1.5),
-    Variation(out_of_line=0.3, weight=0.3),
-    Variation(out_of_line=-0.3, weight=0.3),
-)
-"""Robots and starts that a plan is made for: the fitted one, tensions and friction forces
-about it, and starts that friction holds out of line."""
 
-_DAMPING = Damping(fall=5.0, rise=4.0, floor=1e-9)
-"""Damping of a search; the floor is for splines that move almost nothing."""
-_REJECTIONS = 8
-"""Dampings that are tried before a point counts as a minimum, or as a kink."""
-_SAVING = 1e-3
-"""Share of the misfit that a step has to save for the search to go on [1]."""
+@dataclasses.dataclass(frozen=True, eq=False)
+class Planned:
+    """A leg as it was planned, and what is expected of it."""
+
+    leg: Leg
+    """The leg; its time is longer than asked for where the drives can't do it in that."""
+    plan: Plan
+    """What the controller is told."""
+    asked_time: float = dataclasses.field(metadata=si("s"))
+    """Time that was asked for [s]."""
+    expected: Expectation
+    """Of the plan."""
+    plain: Expectation
+    """Of the plain profile in the time that was asked for, under the same PD alone."""
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the plan is the plain profile, of which less vibration is expected."""
+        return self.expected is self.plain
+
+
+@dataclasses.dataclass(frozen=True)
+class Wanted:
+    """A leg that is asked for."""
+
+    start: tuple[float, float]
+    """Where the end-effector rests, $[x_e, y_e]$ [m]."""
+    end: tuple[float, float]
+    """Where it is to go [m]."""
+    time: float | None = dataclasses.field(default=None, metadata=si("s"))
+    """In which time [s]; None for `LEG_TIME`, or what the drives need."""
+    slope: float | None = dataclasses.field(default=None, metadata=si("1"))
+    """Slope of the line between the carriages, $(q_3 - q_4) / H$ [1]; None where it isn't told:
+    in line, or any that friction holds."""
 
 
 def plan_leg(
@@ -72,9 +95,9 @@ def plan_leg(
     end: tuple[float, float],
     *,
     leg_time: float | None = None,
-    iterations: int = 30,
+    slope: float | None = None,
     progress: Progress = SILENT,
-) -> Plan:
+) -> Planned:
     """The motion of one leg from rest to rest.
 
     Args:
@@ -84,104 +107,184 @@ def plan_leg(
         end: Where it is to go [m].
         leg_time: Time of the leg [s]; None for `LEG_TIME`, or where the drives can't the
             shortest in which they can.
-        iterations: Steps of each search at the most.
+        slope: Slope of the line between the carriages, see `resting_start` [1]; None where it
+            isn't told.
         progress: Told what is being done and which share of it is done.
 
     Returns:
-        The plan.
+        The plan, and what is expected of it.
 
     Raises:
-        ValueError: If the leg is too short to be planned.
+        ValueError: If a number isn't finite, the time isn't positive, or the leg leads nowhere.
     """
-    if leg_time is not None and not leg_time >= SHORTEST:
-        raise ValueError(
-            f"`leg_time` is too short, got {leg_time:g} s, expected {SHORTEST:g} s or more: "
-            "that is about one period of the slowest mode. Give the leg more time."
-        )
-    first, last = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    pace = chosen_pace(robot, first, last, leg_time)
-    coefficients = _search(robot, controller, first, last, pace, iterations, progress)
-    progress("commands at the controller's period", 0.9)
-    return _at_full_rate(robot, controller, first, last, pace, coefficients)
+    planner = Planner(robot, controller)
+    wanted = Wanted(tuple(map(float, start)), tuple(map(float, end)), leg_time, slope)
+    return planner(wanted, progress=progress)
 
 
-def _search(
-    robot: Robot,
-    controller: PD,
-    start: Float[np.ndarray, "2"],
-    end: Float[np.ndarray, "2"],
-    pace: Pace,
-    iterations: int,
-    progress: Progress,
-) -> Float[np.ndarray, " splines"]:
-    leg_time = pace.leg_time
-    steps = 100 * max(round(leg_time / (100 * STEP)), 1)
-    holding = steps - round(REST / leg_time * steps)
-    on = grid(start, end, pace=pace, steps=steps, hold=round(HOLD / leg_time * steps))
-    robots = varied(robot, VARIATIONS, start)
+def plan_legs(
+    robot: Robot, controller: PD, legs: Iterable[Wanted], *, progress: Progress = SILENT
+) -> list[Planned]:
+    """Plans of many legs, on every core.
 
-    def misfit(goal: _Goal, point: Float[np.ndarray, " n"]) -> SumOfSquares:
-        both = linearised(robots, controller, on, point, holding=holding)
-        value, slope = jax.tree.map(np.asarray, both)
-        pairs = [part for each in (common, goal) for part in each(value, slope, robots.weight)]
-        pairs.append(roughness(point))
-        return SumOfSquares(
-            np.concatenate([part.reshape(-1) for part, _ in pairs]),
-            np.concatenate([part.reshape(-1, point.size) for _, part in pairs]),
-        )
+    Args:
+        robot: The fitted robot, with exact friction.
+        controller: The PD controller that it will run under.
+        legs: What is asked for.
+        progress: Told which share is done.
 
-    stopping = Stopping(steps=iterations, rejections=_REJECTIONS, saving=_SAVING, share=0.0)
-    plain = np.zeros(on.basis[0].value.shape[1])
-    progress("compiling, or from the cache", 0.0)
-    guess = minimise(
-        functools.partial(misfit, arriving),
-        plain,
-        stopping=stopping,
-        damping=_DAMPING,
-        progress=progress.part(0.1, 0.4, "a first guess"),
-    ).point
-    return minimise(
-        functools.partial(misfit, resting),
-        guess,
-        stopping=stopping,
-        damping=_DAMPING,
-        progress=progress.part(0.4, 0.9, "motion"),
-    ).point
+    Returns:
+        A plan for each, the same as `plan_leg` makes.
+
+    Raises:
+        ValueError: If one of them can't be planned.
+    """
+    legs, planner = list(legs), Planner(robot, controller)
+    for leg in legs:
+        _refuse(leg)
+    made: list[Planned] = []
+    # Machine code runs while another thread is in Python.
+    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+        for plan in pool.map(planner, legs):
+            made.append(plan)
+            progress(f"{len(made)} of {len(legs)} legs", len(made) / len(legs))
+    return made
 
 
-_Goal = Callable[[Outcome, Outcome, np.ndarray], Pairs]
+class Planner:
+    """Plans legs of one robot."""
+
+    def __init__(self, robot: Robot, controller: PD):
+        """The robots that its legs are planned for are made here.
+
+        Args:
+            robot: The fitted robot, with exact friction.
+            controller: The PD controller that it runs under.
+        """
+        self._robot, self._controller = robot, controller
+        self._models = {told: models(robot, controller, told=told) for told in (False, True)}
+
+    def __call__(self, wanted: Wanted, *, progress: Progress = SILENT) -> Planned:
+        """A leg's plan.
+
+        Args:
+            wanted: The leg.
+            progress: Told what is being done and which share of it is done.
+
+        Returns:
+            The plan, and what is expected of it.
+
+        Raises:
+            ValueError: If it is no leg.
+        """
+        _refuse(wanted)
+        robot, controller, told = self._robot, self._controller, wanted.slope is not None
+        time = LEG_TIME if wanted.time is None else wanted.time
+        leg = Leg(wanted.start, wanted.end, time, wanted.slope or 0.0)
+        found, coefficients = _motion(robot, self._models[told], possible(robot, leg), progress)
+        progress("what is expected of it", 0.9)
+        plan = planned(robot, found, coefficients, period=float(controller.period))
+        expected = expectation(robot, controller, found, plan, told=told)
+        profile = plain_plan(leg, controller, radius=float(robot.drive.effective_radius))
+        plain = expectation(robot, controller, leg, profile, told=told)
+        if plain.mean < expected.mean and expected.mean > NEGLIGIBLE:
+            return Planned(leg, profile, time, plain, plain)
+        return Planned(found, plan, time, expected, plain)
 
 
-def _at_full_rate(
-    robot: Robot,
-    controller: PD,
-    start: Float[np.ndarray, "2"],
-    end: Float[np.ndarray, "2"],
-    pace: Pace,
-    coefficients: Float[np.ndarray, " splines"],
-) -> Plan:
+def resting_start(
+    robot: Robot, pose: Sequence[float] | Float[np.ndarray, "5"]
+) -> tuple[tuple[float, float], float]:
+    r"""Where a robot rests, from what a camera tells of it.
+
+    The end-effector lies on the line between the carriages; that line is the least squares' one
+    through the three places, which a camera knows alike.
+
+    Args:
+        robot: The robot.
+        pose: $[x_e, \delta_e, q_3, q_4, y_e]$ [m, rad, m, m, m]; the rotation isn't needed.
+
+    Returns:
+        Place of the end-effector on the line [m], and the line's slope [1].
+    """
+    x, _, lower, upper, height = map(float, pose)
+    heights = np.array([height, 0.0, float(robot.frame.height)])
+    places = np.array([x, lower, upper])
+    middle = np.mean(heights)
+    away = heights - middle
+    slope = -float(away @ places / (away @ away))
+    return (float(np.mean(places)) - slope * (height - middle), height), slope
+
+
+def plain_plan(leg: Leg, controller: PD, *, radius: float) -> Plan:
+    """The curve of section 6.2 as a plan without feed-forward.
+
+    Args:
+        leg: The leg.
+        controller: The controller, for its period.
+        radius: Effective radius of the driver pulleys [m].
+
+    Returns:
+        The plan.
+    """
     period = float(controller.period)
-    steps = round(pace.leg_time / period)
-    on = grid(start, end, pace=pace, steps=steps, hold=0)
-    run = _run_planned(single(robot, start), controller, on, coefficients, end)
-    places, angle, feedforward = map(np.asarray, run)
+    samples = int(np.ceil(leg.time / period - 1e-9))
+    s = np.minimum(period * np.arange(samples + 1) / leg.time, 1.0)
+    way = np.outer(s * s * (3 - 2 * s), np.subtract(leg.end, leg.start))
+    angle = np.stack([way[:, 0] + way[:, 1], way[:, 0] - way[:, 1]], axis=1) / radius
     return Plan(
-        time=period * np.arange(steps + 1),
-        position=np.concatenate([start[None], places[:-1], end[None]]),
+        time=period * np.arange(samples + 1),
+        position=np.array(leg.start) + way,
         angle=angle,
-        feedforward=np.concatenate([feedforward, np.zeros((1, 2))]),
+        feedforward=np.zeros_like(angle),
     )
 
 
-@kept_jit
-def _run_planned(
-    robot: Ensemble,
-    controller: PD,
-    on: Grid,
-    coefficients: Float[Array, " splines"],
-    end: Float[Array, "2"],
-) -> tuple[Float[Array, "steps 2"], Float[Array, "steps+1 2"], Float[Array, "steps 2"]]:
-    """Places at the ends of the intervals, the drives' angles, and the feed-forward."""
-    run = run_planned(robot, controller, on, coefficients)
-    along = jnp.concatenate([led(on, coefficients)[0].position, end[None]])
-    return run.states.pose, joint_references(robot.robot, along), run.feedforward
+def _motion(
+    robot: Robot, about: Models, leg: Leg, progress: Progress
+) -> tuple[Leg, Float[np.ndarray, " splines"]]:
+    """A leg's motion, in the first time in which the fitted robot has a good one."""
+    for attempt in range(ATTEMPTS):
+        leg = paced(robot, leg)
+        progress(f"motion in {leg.time:.3g} s", 0.2 * attempt / ATTEMPTS)
+        alone = about.alone(leg, about.fitted, COARSE)
+        first = descend(alone, np.zeros(leg.splines), FIRST).point
+        if attempt == ATTEMPTS - 1 or _is_good(alone, first):
+            break
+        leg = dataclasses.replace(leg, time=leg.time * LONGER)
+    progress(f"motion in {leg.time:.3g} s for robots as they might be", 0.2)
+    fine = about.together(leg, FINE)
+    return leg, min(search(leg, about), first, key=fine.cost)
+
+
+def _is_good(fitted: Misfit, point: Float[np.ndarray, " splines"]) -> bool:
+    """Whether the fitted robot is at rest at the target, and its drives within their limits."""
+    (run,), (group,) = fitted.runs(point), fitted.groups
+    vibration = float(group.arriving.vibrations(run, group.goals)[0])
+    rest = abs(float(group.arriving(run, group.goals).rest[0]))
+    grid = fitted.grid
+    volts = fitted.leader.commands(
+        run.positions[:, grid.commanded], grid.commanded_motion(point)
+    )
+    most = WITHIN * float(fitted.fitted.robot.drive.voltage_limit[0])
+    return vibration <= STILL and rest <= ON_TARGET and float(np.max(np.abs(volts))) <= most
+
+
+def _refuse(leg: Wanted) -> None:
+    """Refuse what is no leg."""
+    numbers = (*leg.start, *leg.end, leg.time or 1.0, leg.slope or 0.0)
+    if not np.all(np.isfinite(numbers)):
+        raise ValueError(
+            f"a leg's numbers must be finite, got {leg}. Give places within the frame [m], a "
+            "time [s] and a slope [1]."
+        )
+    if leg.time is not None and not leg.time > 0:
+        raise ValueError(
+            f"`leg_time` must be positive, got {leg.time:g} s. Give the leg a time; what the "
+            "drives can't do in it gets a longer one."
+        )
+    if leg.start == leg.end:
+        raise ValueError(
+            f"`end` is where the leg starts, got {leg.end} [m]: there is no leg to plan. "
+            "Name another place."
+        )

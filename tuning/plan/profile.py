@@ -1,130 +1,211 @@
 r"""A leg from rest to rest: a plain profile and what a plan adds to it.
 
-$$ p(t) = p_0 + f(s)\,(p_1 - p_0) + e_x \sum_j c_j B_j(t), \qquad s = t / t_s $$
+$$ q_3(t) = p_3(t) + \sum_j c_j B_j(t), \qquad y(t) = p_y(t), \qquad
+   p(t) = p_0 + f(t / t_s)\,(p_1 - p_0) $$
 
 with the paper's $f(s) = 3 s^2 - 2 s^3$ or one of an evener pace. The $B_j$ are B-splines of
 fourth degree whose value and slope vanish at both ends, so that whatever $c$ is, the leg begins
-and ends where it should, at rest.
+and ends where it should, at rest. Sines, or splines without clamped ends, would do for the way
+between; what decides a leg are its last tenths of a second, where splines are local.
+
+Reference: C. de Boor, "On calculating with B-splines", J. Approx. Theory 6(1), 1972,
+doi:10.1016/0021-9045(72)90080-9.
 """
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
-from scipy.interpolate import BSpline
 
-from scdpr_jax.command.trajectory import rest_to_rest
-from tuning.plan.feedforward import Motion
+from scdpr_jax import native
 
-_DEGREE = 4
+DEGREE = 4
+"""Degree of the splines."""
+ACTIVE = DEGREE + 1
+"""Splines that are not zero at an instant."""
 _AT_ENDS = 2
 """Splines left out at either end: those with a value or a slope there."""
 
 
-def pace(order: int) -> tuple[float, ...]:
-    r"""A profile from rest to rest with a plateau of its speed, as shares for `rest_to_rest`.
+class Moment(NamedTuple):
+    """Something that moves, at an instant."""
 
-    $$ f'(s) = \frac{n + 1}{n - 1} \left(1 - s^n - (1 - s)^n\right) $$
+    value: Float[Array | np.ndarray, "..."]
+    """Its value."""
+    slope: Float[Array | np.ndarray, "..."]
+    """Its first derivative [1/s]."""
+    curvature: Float[Array | np.ndarray, "..."]
+    """Its second derivative [1/s²]."""
+
+
+def pace(time: Array, duration: Array, order: Array) -> Moment:
+    r"""Share of the way by a profile from rest to rest with a plateau of its speed.
+
+    $$ f'(s) = \frac{n + 1}{n - 1} \left(1 - s^n - (1 - s)^n\right), \qquad s = t / t_s $$
 
     The paper's own is that of order 2, whose largest speed is 1.5 times the mean; that of order
     8 has 1.28, and five thirds of the acceleration at the ends.
 
     Args:
-        order: The order $n$, 2 or more.
+        time: Time since the begin [s].
+        duration: Time $t_s$ that it takes [s].
+        order: The order $n$, 2 or more [1].
 
     Returns:
-        Share of the way at each control point of the Bézier curve [1].
+        The share; 0 before the begin and 1 from the end on, at rest.
     """
-    return (0.0, *(k / (order - 1) for k in range(order)), 1.0)
-
-
-class Basis(NamedTuple):
-    """The B-splines of a leg at some instants."""
-
-    value: Float[Array, "instants splines"]
-    """Values [1]."""
-    slope: Float[Array, "instants splines"]
-    """First derivatives [1/s]."""
-    curvature: Float[Array, "instants splines"]
-    """Second derivatives [1/s²]."""
-
-
-def spline_basis(
-    leg_time: float, time: Float[np.ndarray, " instants"], *, splines: int
-) -> Basis:
-    """The leg's B-splines; all of them are zero outside of the leg.
-
-    Args:
-        leg_time: Time of the leg [s].
-        time: Instants from the leg's begin [s].
-        splines: Their number.
-
-    Returns:
-        Values and derivatives.
-    """
-    every = splines + 2 * _AT_ENDS
-    inner = np.linspace(0.0, leg_time, every - _DEGREE + 1)
-    knots = np.concatenate([np.zeros(_DEGREE), inner, np.full(_DEGREE, leg_time)])
-    curves = BSpline(knots, np.eye(every)[:, _AT_ENDS:-_AT_ENDS], _DEGREE)
-    inside = ((time >= 0) & (time < leg_time))[:, None]
-    within = np.clip(time, 0.0, leg_time)
-    return Basis(
-        *(
-            jnp.asarray(np.where(inside, curves.derivative(order)(within), 0.0))
-            for order in range(3)
-        )
+    s = jnp.clip(time / duration, 0.0, 1.0)
+    moves = jnp.where((time >= 0) & (time < duration), 1.0, 0.0)
+    peak = (order + 1) / (order - 1)
+    rising, falling = jnp.power(s, order), jnp.power(1 - s, order)
+    # The integral and the derivative of the speed, without another power.
+    way = s + (falling * (1 - s) - rising * s - 1) / (order + 1)
+    bend = jnp.power(1 - s, order - 1) - jnp.power(s, order - 1)
+    return Moment(
+        peak * way,
+        moves * peak * (1 - rising - falling) / duration,
+        moves * peak * order * bend / jnp.square(duration),
     )
 
 
-def plain_motion(
-    start: Float[Array, "2"],
-    end: Float[Array, "2"],
-    *,
-    leg_time: Float[Array, ""],
-    time: Float[Array, " instants"],
-    order: int = 2,
-) -> Motion:
-    """A plain profile, held before and after.
+class Course(NamedTuple):
+    """What a leg's plain profile hangs on."""
+
+    begin: Float[Array | np.ndarray, "2"]
+    """Where lower carriage and height begin, $[q_3, y_e]$ [m]."""
+    end: Float[Array | np.ndarray, "2"]
+    """Where they are to end [m]."""
+    durations: Float[Array | np.ndarray, "2"]
+    """The times that they take [s]: the height has nothing to wait for."""
+    order: Float[Array | np.ndarray, ""]
+    """Order of the `pace` [1]."""
+
+
+def plain_profile(course: Course, time: Array) -> Moment:
+    """The plain profile of lower carriage and height.
 
     Args:
-        start: First position [m].
-        end: Last position [m].
-        leg_time: Time of the leg [s].
-        time: Instants from the leg's begin [s].
-        order: Of its `pace`; the paper's has 2.
+        course: What it hangs on.
+        time: Time since the begin [s].
 
     Returns:
-        The motion at these instants.
+        Positions, velocities and accelerations of $[q_3, y_e]$ [m; m/s; m/s²].
     """
-    leg = rest_to_rest(start, end, duration=leg_time, profile=pace(order))
-    return Motion(
-        jax.vmap(leg.position)(time),
-        jax.vmap(leg.velocity)(time),
-        # At the leg's last instant its acceleration is the moving side's: it has ended.
-        jnp.where((time < leg_time)[:, None], jax.vmap(leg.acceleration)(time), 0.0),
-    )
+    shares = pace(time, course.durations, course.order)
+    way = course.end - course.begin
+    return Moment(course.begin + way * shares.value, way * shares.slope, way * shares.curvature)
 
 
-def with_deviation(
-    plain: Motion, basis: Basis, coefficients: Float[Array, " splines"]
-) -> Motion:
-    """The profile with the lower carriage led aside by the splines.
+def splines(time: Array, duration: Array, count: Array) -> tuple[Array, Moment]:
+    r"""The splines that are not zero at an instant, by de Boor's recursion.
+
+    $$ B_{j,p} = \frac{t - u_j}{u_{j+p} - u_j} B_{j,p-1}
+       + \frac{u_{j+p+1} - t}{u_{j+p+1} - u_{j+1}} B_{j+1,p-1} $$
+
+    Knots are even and clamped, $u_j = t_s \min(\max(j, 0), n) / n$, so that they need no table.
 
     Args:
-        plain: The profile.
-        basis: The splines at the same instants.
-        coefficients: Their coefficients [m].
+        time: Time since the begin [s].
+        duration: Time $t_s$ of the deviation [s].
+        count: Number $n$ of the splines [1].
 
     Returns:
-        The motion.
+        Number of the first one, which may be negative, as the last one's may be $n$ or more:
+        those are left out; and the values of all `ACTIVE` ones, zero outside of the time.
     """
-    return Motion(
-        *(
-            part.at[:, 0].add(curves @ coefficients)
-            for part, curves in zip(
-                (plain.position, plain.velocity, plain.acceleration), basis, strict=True
-            )
-        )
-    )
+    interval = jnp.clip(jnp.floor(time / duration * count), 0.0, count - 1)
+    inside = jnp.where((time >= 0) & (time < duration), 1.0, 0.0)
+
+    def knot(number: int) -> Array:
+        return duration * jnp.clip(interval + number, 0.0, count) / count
+
+    levels = [[inside]]
+    for degree in range(1, DEGREE + 1):
+        below, level = levels[-1], [jnp.zeros_like(time)] * (degree + 1)
+        for j, value in enumerate(below):
+            left, right = knot(j + 1 - degree), knot(j + 1)
+            share = value / (right - left)
+            level[j] = level[j] + (right - time) * share
+            level[j + 1] = level[j + 1] + (time - left) * share
+        levels.append(level)
+    slopes = _differences(levels[DEGREE - 1], knot, DEGREE)
+    curvatures = _differences(_differences(levels[DEGREE - 2], knot, DEGREE - 1), knot, DEGREE)
+    stacked = (jnp.stack(own) for own in (levels[DEGREE], slopes, curvatures))
+    return interval - _AT_ENDS, Moment(*stacked)
+
+
+def _differences(below: list[Array], knot: object, degree: int) -> list[Array]:
+    """Derivatives of splines of a degree from those of the degree below."""
+    made = [jnp.zeros_like(below[0])] * (degree + 1)
+    for j, value in enumerate(below):
+        share = degree * value / (knot(j + 1) - knot(j + 1 - degree))
+        made[j], made[j + 1] = made[j] - share, made[j + 1] + share
+    return made
+
+
+def plain_moments(course: Course, time: Float[np.ndarray, " instants"]) -> Moment:
+    """`plain_profile` at some instants.
+
+    Args:
+        course: What it hangs on.
+        time: The instants [s].
+
+    Returns:
+        Positions, velocities and accelerations, a row for each instant.
+    """
+    parameters = Course(*(np.asarray(own, float)[None] for own in course))
+    _, rows = native.Runs(_plain_rows, parameters)((), time[None])
+    return Moment(*(own[0] for own in rows))
+
+
+def _plain_rows(course: Course, _: tuple, time: Array) -> tuple[tuple, Moment]:
+    return (), plain_profile(course, time)
+
+
+def pace_values(
+    time: Float[np.ndarray, " instants"], *, duration: float, order: float
+) -> Float[np.ndarray, " instants"]:
+    """`pace` at some instants.
+
+    Args:
+        time: The instants [s].
+        duration: Time that it takes [s].
+        order: Its order [1].
+
+    Returns:
+        Shares of the way.
+    """
+    return plain_moments(
+        Course(np.zeros(2), np.ones(2), np.full(2, duration), np.array(order)), time
+    ).value[:, 0]
+
+
+def spline_moments(
+    time: Float[np.ndarray, " instants"], *, duration: float, count: int
+) -> Moment:
+    """All splines of a leg at some instants.
+
+    Args:
+        time: The instants [s].
+        duration: Time of the deviation [s].
+        count: Number of the splines.
+
+    Returns:
+        Values and derivatives, a row for each instant and a column for each spline.
+    """
+    about = (np.array([duration]), np.array([float(count)]))
+    _, (first, active) = native.Runs(_spline_rows, about)((), time[None])
+    columns = first[0].astype(int)[:, None] + np.arange(ACTIVE)
+    rows = np.broadcast_to(np.arange(time.size)[:, None], columns.shape)
+    there = (columns >= 0) & (columns < count)
+    made = np.zeros((3, time.size, count))
+    for whole, own in zip(made, active, strict=True):
+        whole[rows[there], columns[there]] = own[0][there]
+    return Moment(*made)
+
+
+def _spline_rows(
+    about: tuple[Array, Array], _: tuple, time: Array
+) -> tuple[tuple, tuple[Array, Moment]]:
+    return (), splines(time, *about)

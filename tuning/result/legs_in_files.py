@@ -28,6 +28,7 @@ def legs_document(legs: PredictedLegs) -> dict[str, Any]:
         "robots": legs.robots,
         "before": _outcome(legs.before),
         "after": _outcome(legs.after),
+        "planned": None if legs.planned is None else _outcome(legs.planned),
     }
 
 
@@ -52,6 +53,7 @@ class LegsInFile(JsonObject):
     robots: Annotated[int, pydantic.Field(ge=1)]
     before: _Outcome
     after: _Outcome
+    planned: _Outcome | None = None
 
     @pydantic.model_validator(mode="after")
     def _is_of_the_same_legs(self) -> "LegsInFile":
@@ -62,8 +64,17 @@ class LegsInFile(JsonObject):
                 f"got lists of {sorted(counts)} legs for {self.robots} robots, expected one "
                 "length, and a leg for each robot at least"
             )
+        if self.planned is not None:
+            rows = (self.planned.residual_vibration, self.planned.resting_error)
+            lengths = {len(row) for row in rows}
+            if len(lengths) != 1 or not 0 < min(lengths) <= max(counts):
+                raise ValueError(
+                    f"got lists of {sorted(lengths)} planned legs of {max(counts)}, expected "
+                    "one length, and no more than there are legs"
+                )
         return self
 
     def build(self) -> PredictedLegs:
         """The legs."""
-        return PredictedLegs(self.before.build(), self.after.build(), self.robots)
+        planned = None if self.planned is None else self.planned.build()
+        return PredictedLegs(self.before.build(), self.after.build(), self.robots, planned)

@@ -1,6 +1,7 @@
 """What a tuning is predicted to do: random legs and manoeuvres simulated before and after."""
 
 import dataclasses
+import math
 
 import numpy as np
 from jaxtyping import Float
@@ -80,6 +81,16 @@ class PredictedLegs:
     """With the tuned gains and the shapers."""
     robots: int
     """How many robots the legs were shared out to, one after the other."""
+    planned: LegsOutcome | None = None
+    """The first ones of them as planned for the fitted robot; None if none was."""
+
+    @property
+    def planned_share(self) -> float:
+        """What is left of the vibration where legs are planned, geometric mean [1]."""
+        count = 0 if self.planned is None else len(self.planned.vibration)
+        if not count:
+            return math.nan
+        return float(share(self.planned.vibration, self.before.vibration[:count]))
 
     def __len__(self) -> int:
         return len(self.after.vibration)

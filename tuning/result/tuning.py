@@ -70,6 +70,9 @@ class Tuning:
         if self.legs is not None:
             left = f"{100 * self.legs.share:.3g} % of the vibration left"
             lines.append(f"  {len(self.legs)} random legs: {left}, predicted")
+            if self.legs.planned is not None:
+                planned = 100 * self.legs.planned_share
+                lines.append(f"  {planned:.3g} % where they are planned, predicted")
         lines += [f"  {note}" for note in (self.caution, *self.notes) if note]
         return "\n".join(lines)
 

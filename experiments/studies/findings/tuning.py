@@ -9,6 +9,7 @@ from experiments.page.number_text import capitalised, percent, plain, short
 from experiments.studies.findings.responses import NamedShaper
 from tuning.loop.worst_margins import MarginMap, WorstMargin, margin_map
 from tuning.regions.residual_map import ResidualMap, WorstResidual, residual_map
+from tuning.result.prediction import LegsOutcome
 from tuning.result.regional_shaper import RegionalShaper
 from tuning.result.tuning import Tuning
 
@@ -118,6 +119,30 @@ def region_name(regional: RegionalShaper) -> str:
     return f"x {x[0]}–{x[1]}, y {y[0]}–{y[1]} mm, {tension}"
 
 
+def _legs_sentences(tuning: Tuning) -> list[str]:
+    """What random legs leave before, with gains and shapers, and as planned."""
+    legs = tuning.legs
+    if legs is None:
+        return []
+    sides = [("under Eq. (25)", legs.before), ("with gains and shapers", legs.after)]
+    if legs.planned is not None:
+        count = len(legs.planned.vibration)
+        sides.append((f"as planned (the first {count} of them)", legs.planned))
+
+    def typical(outcome: LegsOutcome) -> str:
+        median, worst = np.median(outcome.vibration), np.max(outcome.vibration)
+        rest = np.median(outcome.resting_error)
+        lengths = [plain(1e3 * float(length), 2) for length in (median, worst, rest)]
+        return "vibrates by {} mm ({} mm at worst) and rests {} mm off".format(*lengths)
+
+    parts = [f"{name} it {typical(outcome)}" for name, outcome in sides]
+    return [
+        f"After {len(legs)} random legs over the workspace, on robots as they might be, the "
+        f"end-effector's median: {'; '.join(parts)} (simulated). Plans are made by `scdpr "
+        "plan` and, in the controller, by `export/onboard/`."
+    ]
+
+
 def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
     """What a tuning comes to, in plain words.
 
@@ -131,6 +156,7 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
     controller = tuning.controller
     sentences = [
         *filter(None, [tuning.caution]),
+        *_legs_sentences(tuning),
         f"PD gains {short(float(controller.proportional_gain), 5)} V/rad and "
         f"{short(float(controller.derivative_gain), 5)} V s/rad, with {margin}° of phase "
         "margin of a bare drive as sampled.",

@@ -1,21 +1,31 @@
 """`scdpr plan`: the references and the feed-forward of one leg."""
 
 import pathlib
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import parse_position
+from experiments.verbs.tuning.starting_pose import beginning
+
+if TYPE_CHECKING:
+    from scdpr_jax.robot.parameters import Robot
+    from tuning.plan.planning import Wanted
+    from tuning.result.tuning import Tuning
 
 
 def plan(
     tuning: Folder,
     /,
-    begin: Annotated[str, tyro.conf.arg(name="from")],
-    to: str,
     out: pathlib.Path,
+    begin: Annotated[str | None, tyro.conf.arg(name="from")] = None,
+    to: str | None = None,
+    start: str | None = None,
+    start_run: pathlib.Path | None = None,
+    legs: pathlib.Path | None = None,
     leg_time: str | None = None,
     setting: str | None = None,
     force: bool = False,
@@ -24,28 +34,31 @@ def plan(
 
     The controller adds its PD on the pulleys' angles: V = Kp e + Kd de/dt + feedforward,
     within the drives' limit. Angles count from those at the leg's begin; the last row is
-    held. A manoeuvre of several legs is one plan after the other.
+    held. A manoeuvre of several legs is one plan after the other, or a file of `--legs`.
 
     Args:
         tuning: tuning.json of `scdpr tune` or `scdpr calibrate`.
-        begin: Where the end-effector rests, "0.3 m, 0.55 m".
+        out: The table to write, plan.csv; a page with the same name, plan.html, shows it. With
+            `--legs` a folder: a plan for each leg, and legs.csv with what is expected of it.
+        begin: Where the end-effector rests, "0.3 m, 0.55 m"; the plan is made for any start
+            that friction holds there.
         to: Where it is to go, "1.9 m, 0.55 m".
-        out: The table to write, plan.csv; a page with the same name, plan.html, shows it.
-        leg_time: Time of the leg, "2 s"; default: 2 s, or what the drives need.
+        start: In place of `--from`: how the robot stands, x_e, y_e, delta_e, q_3, q_4, "0.3 m,
+            0.55 m, 0 rad, 0.302 m, 0.298 m".
+        start_run: In place of `--from`: a run's folder; it starts as that one's camera saw it
+            last.
+        legs: In place of one leg: a table of them, with the columns x_from [m], y_from [m],
+            x_to [m], y_to [m], leg_time [s] and, if known, slope [1], (q_3 - q_4) / H.
+        leg_time: Time of the leg, "2 s"; default: 2 s. What the drives can't do takes longer.
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
         force: Plan with a tuning whose fit has failed, too; the plan is marked.
     """
-    beside = _page_beside(out)
     set_up()
-    from experiments.reports import plan_report
-    from experiments.studies.planned_leg import compare
-    from experiments.verbs.places import parse_position
     from identification.campaign.quantities import parse_quantity
-    from scdpr_jax.numerics.files import write_whole
-    from tuning.plan.plan_file import write_plan
-    from tuning.plan.planning import plan_leg
     from tuning.result.document import read_tuning
 
+    if legs is None:
+        _page_beside(out)
     tuned = read_tuning(tuning)
     if tuned.caution and not force:
         raise ValueError(f"{tuning}: {tuned.caution} `--force` plans all the same.")
@@ -54,22 +67,57 @@ def plan(
         None if leg_time is None else parse_quantity(leg_time, unit="s", name="--leg-time")
     )
     robot = tuned.robot_at(nominal).robot
-    start, end = (
-        parse_position(text, name=name, robot=robot)
-        for text, name in ((begin, "--from"), (to, "--to"))
-    )
-    if start == end:
+    if legs is not None:
+        given = {"--from": begin, "--to": to, "--start": start, "--leg-time": leg_time}
+        given["--start-run"] = start_run
+        if named := [name for name, own in given.items() if own is not None]:
+            raise ValueError(
+                f"`--legs` names its legs itself, got {', '.join(named)} besides, expected it "
+                "alone. Leave either out."
+            )
+        return _many(tuning, tuned, robot, legs, out)
+    if to is None:
         raise ValueError(
-            f"`--to`: got {to}, the same place as `--from`, expected another one: there is no "
+            '`--to` is missing: say where the end-effector is to go, such as "1.9 m, 0.55 m", '
+            "or name a table of legs, `--legs`."
+        )
+    first = beginning(robot, begin, start, start_run)
+    end = parse_position(to, name="--to", robot=robot)
+    if first.place == end:
+        raise ValueError(
+            f"`--to`: got {to}, the same place as the start, expected another one: there is no "
             "leg to plan."
         )
+    from tuning.plan.planning import Wanted
+
+    return _one(tuning, tuned, robot, Wanted(first.place, end, seconds, first.slope), out)
+
+
+def _one(
+    tuning: pathlib.Path, tuned: "Tuning", robot: "Robot", wanted: "Wanted", out: pathlib.Path
+) -> int:
+    """A leg with the page that shows it."""
+    from experiments.reports import plan_report
+    from experiments.studies.planned_leg import compare
+    from scdpr_jax.numerics.files import write_whole
+    from tuning.plan.plan_file import write_plan
+    from tuning.plan.planning import plan_leg
+
+    beside = _page_beside(out)
     with shown_progress(ERRORS) as progress:
-        inner, law = progress.part(0.0, 0.9), tuned.controller
-        planned = plan_leg(robot, law, start, end, leg_time=seconds, progress=inner)
-        progress("the leg beside the PD of Eq. (25) alone", 0.9)
+        planned = plan_leg(
+            robot,
+            tuned.controller,
+            wanted.start,
+            wanted.end,
+            leg_time=wanted.time,
+            slope=wanted.slope,
+            progress=progress.part(0.0, 0.6),
+        )
+        progress("the leg beside the PD of Eq. (25) alone", 0.6)
         compared = compare(robot, tuned.controller, planned)
     limit = float(robot.drive.voltage_limit)
-    write_plan(out, planned, marked=bool(tuned.caution))
+    write_plan(out, planned.plan, marked=bool(tuned.caution))
     write_whole(
         beside,
         plan_report.plan_page(
@@ -85,6 +133,36 @@ def plan(
     wrote(out, beside)
     suggest(f"open {beside}")
     return status
+
+
+def _many(
+    tuning: pathlib.Path, tuned: "Tuning", robot: "Robot", legs: pathlib.Path, out: pathlib.Path
+) -> int:
+    """A table's legs, each in a file, and a table of what is expected of them."""
+    from scdpr_jax.numerics.files import write_whole
+    from tuning.plan.legs_file import expectations_table, read_legs
+    from tuning.plan.plan_file import write_plan
+    from tuning.plan.planning import plan_legs
+
+    wanted = read_legs(legs, robot)
+    with shown_progress(ERRORS) as progress:
+        planned = plan_legs(robot, tuned.controller, wanted, progress=progress)
+    out.mkdir(parents=True, exist_ok=True)
+    width = max(4, len(str(len(planned))))
+    names = [f"plan-{number + 1:0{width}d}.csv" for number in range(len(planned))]
+    for name, own in zip(names, planned, strict=True):
+        write_plan(out / name, own.plan, marked=bool(tuned.caution))
+    table = out / "legs.csv"
+    write_whole(table, expectations_table(names, planned))
+    longer = sum(own.leg.time > own.asked_time for own in planned)
+    OUT.print(
+        f"{len(planned)} legs planned; {longer} take longer than asked for, as the drives "
+        f"can't do them in that time; {sum(own.is_plain for own in planned)} are the plain "
+        "profile, of which less vibration is expected.",
+        soft_wrap=True,
+    )
+    wrote(table)
+    return ending(tuning, fits=not tuned.caution)
 
 
 def _page_beside(out: pathlib.Path) -> pathlib.Path:

@@ -15,6 +15,7 @@ from scdpr_jax.native.scalar.program import (
     Operation,
     Program,
     Value,
+    operations,
     own_cells,
 )
 
@@ -30,30 +31,42 @@ _TERMS = {
 _TYPES = {False: "double", True: "bool"}
 
 
-def c99(program: Program, name: str) -> str:
-    """A program as a function of C99 that needs nothing but its mathematics.
+INCLUDES = "#include <math.h>\n#include <stdbool.h>\n"
+"""What printed functions need."""
 
-    It gets a pointer for each argument and each result, in their order, and how many tangents
-    there are; a result may be written where an argument was.
+
+def c99(program: Program, name: str, *, most_tangents: int) -> str:
+    """A program as a function of C99 that needs nothing but its mathematics, and `INCLUDES`.
+
+    It gets a pointer for each argument and each result, in their order, and, where it has
+    tangents, how many there are; a result may be written where an argument was. Where tangents
+    are the same for all, or none, is the caller's to say: each argument has one for each.
 
     Args:
         program: The program.
         name: Name of the function. Not one that the C library has, such as `step`.
+        most_tangents: For how many there is memory, which is on the stack.
 
     Returns:
         The text.
     """
+    used = {
+        source.array
+        for own in operations(program.body)
+        for source in own.sources
+        if isinstance(source, Cell)
+    }
     inputs = [f"const double *{array}" for array in program.arguments]
     outputs = [f"double *{array}" for array in program.results]
+    count = ["long tangents"] * bool(program.each)
     cells = [
-        f"{_TYPES[cell.boolean]} c{cell.number}" + "[tangents]" * cell.each + ";"
+        f"{_TYPES[cell.boolean]} c{cell.number}" + f"[{most_tangents}]" * cell.each + ";"
         for cell in own_cells(program.body)
     ]
     lines = [
-        "#include <math.h>",
-        "#include <stdbool.h>",
-        f"void {name}({', '.join(inputs + outputs)}, long tangents) {{",
-        "(void)tangents;",
+        f"static void {name}({', '.join(inputs + outputs + count)})",
+        "{",
+        *(f"(void){array};" for array in program.arguments if array not in used),
         *cells,
         *_block(program, program.body),
         "}",

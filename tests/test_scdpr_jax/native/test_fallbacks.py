@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from scdpr_jax import native
-from scdpr_jax.native import handler, interface, machine, primitive
+from scdpr_jax.native import machine, primitive
+from scdpr_jax.native.xla import handler, interface
 
 INPUTS = jnp.linspace(0.0, 1.0, 20)
 

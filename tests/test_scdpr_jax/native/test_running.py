@@ -145,7 +145,7 @@ def test_reverse_mode_is_the_same_by_many_numbers_and_by_few(name, monkeypatch):
 
 
 def test_a_gradient_by_a_parameter_is_machine_code(monkeypatch):
-    monkeypatch.setattr(primitive, "_results", None)
+    monkeypatch.setattr(primitive, "results_by_xla", None)
     monkeypatch.setattr(primitive, "_slopes", None)
     gradient = jax.jit(jax.grad(squares(native.run)))
     text = gradient.lower(GAINS[0], INPUTS["push"]).as_text()
@@ -174,7 +174,7 @@ def test_a_step_may_close_over_what_is_differentiated_and_mapped():
 
 def test_it_is_one_call_of_machine_code(monkeypatch):
     # Whatever else runs would need the step in XLA.
-    monkeypatch.setattr(primitive, "_results", None)
+    monkeypatch.setattr(primitive, "results_by_xla", None)
     monkeypatch.setattr(primitive, "_slopes", None)
     jacobian = jax.jit(jax.vmap(jax.jacfwd(real(native.run)), (0, None)))
     text = jacobian.lower(GAINS, INPUTS["push"]).as_text()

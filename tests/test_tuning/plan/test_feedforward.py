@@ -11,15 +11,15 @@ from scdpr_jax.robot.dynamics import accelerations
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
 from scdpr_jax.robot.state import State, driven, rest
-from tuning.plan.feedforward import Motion, inverse_dynamics
+from tuning.plan.feedforward import inverse_dynamics
 
 SPEED = st.floats(0.1, 1.2) | st.floats(-1.2, -0.1)
 RATE = st.floats(-3.0, 3.0)
 
 
 @eqx.filter_jit
-def volts_and_answer(robot, state, wanted):
-    voltage = inverse_dynamics(robot, state, wanted)
+def volts_and_answer(robot, state, velocity, acceleration):
+    voltage = inverse_dynamics(robot, state.position, velocity, acceleration)
     torque = motor_torque(robot.drive, voltage)
     answer = accelerations(robot, state, torque=torque, knock=jnp.zeros(()))
     return voltage, driven(answer)
@@ -40,18 +40,19 @@ def test_the_commands_give_the_accelerations_that_were_wanted(v_3, v_y, a_3, a_y
     robot = replace(consistent(), {**numbers, "voltage_limit": 100.0})
     at = rest(robot, jnp.asarray(1.0), jnp.asarray(1.0 + lag), jnp.asarray(0.5))
     velocity = jnp.asarray([0.9 * v_3, 0.1, v_3, v_3, v_y])
-    wanted = Motion(at.driven, driven(velocity), jnp.asarray([a_3, a_y]))
-    _, answer = volts_and_answer(robot, State(at.position, velocity), wanted)
+    wanted = jnp.asarray([a_3, a_y])
+    moving = State(at.position, velocity)
+    _, answer = volts_and_answer(robot, moving, driven(velocity), wanted)
     # tanh of 50 widths is 1 to the last digit; the sums are of some 100 N.
-    assert jnp.max(jnp.abs(answer - wanted.acceleration)) < 1e-11
+    assert jnp.max(jnp.abs(answer - wanted)) < 1e-11
 
 
 def test_each_drive_is_compensated_for_its_own_friction():
     equal = replace(consistent(), {"drive_friction": 0.3})
     unequal = replace(equal, {"drive_friction_difference": 0.2})
     at = rest(equal, *jnp.asarray([1.0, 1.0, 0.5]))
-    moving = Motion(jnp.asarray([1.0, 0.5]), jnp.asarray([0.5, 0.0]), jnp.zeros(2))
-    both, each = (volts_and_answer(robot, at, moving)[0] for robot in (equal, unequal))
+    moving = jnp.asarray([0.5, 0.0]), jnp.zeros(2)
+    both, each = (volts_and_answer(robot, at, *moving)[0] for robot in (equal, unequal))
     # A tenth of a newton metre less for the first drive, a tenth more for the second.
     more = 0.1 / float(equal.drive.torque_per_volt)
     assert (each - both).tolist() == pytest.approx([-more, more], rel=1e-9)
@@ -61,8 +62,7 @@ def test_at_rest_in_line_nothing_is_commanded():
     robot = consistent()
     place = jnp.asarray(1.0)
     at = rest(robot, place, place, jnp.asarray(0.5))
-    still = Motion(jnp.ones(2), jnp.zeros(2), jnp.zeros(2))
-    voltage, _ = volts_and_answer(robot, at, still)
+    voltage, _ = volts_and_answer(robot, at, jnp.zeros(2), jnp.zeros(2))
     assert jnp.max(jnp.abs(voltage)) < 1e-12
 
 
@@ -70,8 +70,7 @@ def test_the_weight_of_the_end_effector_is_carried():
     robot = eqx.tree_at(lambda r: r.gravity, consistent(), jnp.asarray(9.81))
     place = jnp.asarray(1.0)
     at = rest(robot, place, place, jnp.asarray(0.5))
-    still = Motion(jnp.ones(2), jnp.zeros(2), jnp.zeros(2))
-    voltage, answer = volts_and_answer(robot, at, still)
+    voltage, answer = volts_and_answer(robot, at, jnp.zeros(2), jnp.zeros(2))
     lift = (
         robot.drive.torque_per_volt * (voltage[0] - voltage[1]) / robot.drive.effective_radius
     )
@@ -86,6 +85,6 @@ def test_the_commands_have_the_derivatives_of_their_formula():
 
     @jax.jit
     def volts(velocity):
-        return inverse_dynamics(robot, at, Motion(jnp.ones(2), velocity, jnp.ones(2)))
+        return inverse_dynamics(robot, at.position, velocity, jnp.ones(2))
 
     check_grads(volts, (jnp.asarray([0.4, -0.3]),), order=1, modes=("fwd", "rev"))

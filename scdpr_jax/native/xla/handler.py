@@ -8,9 +8,9 @@ can't be if they differ: XLA refuses it.
 import itertools
 from collections.abc import Iterator, Mapping
 
-from scdpr_jax.native.interface import Layout, header, layout, version
 from scdpr_jax.native.kernel import TASK, WORDS, Array, Kernel, load
 from scdpr_jax.native.printers.llvm_ir import loop
+from scdpr_jax.native.xla.interface import Layout, header, layout, version
 
 
 def handler_ir(kernel: Kernel) -> str:

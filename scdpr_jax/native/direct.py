@@ -1,0 +1,218 @@
+"""Runs of a step between NumPy's arrays: no program is compiled, whatever their shapes.
+
+A search outside of JAX has runs of another length, or another number of tangents, each time.
+As part of a program of XLA's each would be compiled anew; a step's machine code holds for all.
+"""
+
+import ctypes
+import functools
+import itertools
+from collections.abc import Callable, Hashable, Sequence
+from typing import Any, Generic, NamedTuple
+
+import jax
+import numpy as np
+from jaxtyping import PyTree
+
+from scdpr_jax.native import machine, primitive
+from scdpr_jax.native.kernel import TASK
+from scdpr_jax.native.running import Carry, Inputs, Outputs, Parameters
+from scdpr_jax.native.traced import Step, StepFunction, Traced, trace
+
+
+class Slopes(NamedTuple):
+    """Tangents of a run, or what they come to."""
+
+    carried: PyTree
+    """Of what is carried: into the first step, or from the last one on."""
+    rows: PyTree
+    """Of the inputs, or of the outputs."""
+
+
+class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
+    """Runs of a step with the same parameters."""
+
+    def __init__(
+        self,
+        step: Callable[[Parameters, Carry, Inputs], tuple[Carry, Outputs]],
+        parameters: Parameters,
+    ):
+        """Nothing is traced until it runs.
+
+        Args:
+            step: The step, a function that lasts.
+            parameters: What is the same in all steps, as NumPy's arrays behind an axis of
+                robots; of length one where all share it, here and below.
+        """
+        self._step = step
+        leaves, self._structure = jax.tree.flatten(parameters)
+        self._parameters = [np.ascontiguousarray(leaf, float) for leaf in leaves]
+        # They stay where they are, so that only what is new is looked up in each call.
+        self._words = [word for own in self._parameters for word in _own_words(own)]
+        self._traced: dict[Hashable, Traced] = {}
+        self._robots = max(map(len, self._parameters), default=1)
+
+    def __call__(self, start: Carry, inputs: Inputs) -> tuple[Carry, Outputs]:
+        """What `scdpr_jax.native.run` does.
+
+        Args:
+            start: What is carried into the first step, behind an axis of robots.
+            inputs: Inputs of the steps, behind axes of robots and of steps.
+
+        Returns:
+            What the last step carries on and the outputs, likewise.
+        """
+        traced, operands = self._given(start, inputs)
+        made = self._made(traced.step, operands, (), ())
+        return jax.tree.unflatten(jax.tree.structure(traced.outputs), made)
+
+    def linearised(
+        self, start: Carry, inputs: Inputs, *, along: Slopes
+    ) -> tuple[tuple[Carry, Outputs], Slopes]:
+        """The same with derivatives along tangents.
+
+        Args:
+            start: What is carried into the first step.
+            inputs: Inputs of the steps.
+            along: Tangents of both, behind axes of robots and of tangents; None in place of an
+                array that doesn't move.
+
+        Returns:
+            Results, and derivatives, which have an axis of tangents last.
+        """
+        traced, operands = self._given(start, inputs)
+        leaves = jax.tree.leaves(tuple(along), is_leaf=lambda own: own is None)
+        seeds = [None] * traced.step.parameters + leaves
+        moving = tuple(seed is not None for seed in seeds)
+        given = [np.ascontiguousarray(seed, float) for seed in seeds if seed is not None]
+        made = self._made(traced.step, operands, moving, given)
+        count, structure = len(made) // 2, jax.tree.structure(traced.outputs)
+        values, slopes = (
+            jax.tree.unflatten(structure, own) for own in (made[:count], made[count:])
+        )
+        return values, Slopes(*slopes)
+
+    def _given(self, start: Carry, inputs: Inputs) -> tuple[Traced, Sequence[np.ndarray]]:
+        """The step for such arrays, and these behind one another."""
+        carried, first = jax.tree.flatten(start)
+        rows, second = jax.tree.flatten(inputs)
+        arrays = [np.ascontiguousarray(leaf, float) for leaf in (*carried, *rows)]
+        shapes = tuple(
+            own.shape[1 if i < len(carried) else 2 :] for i, own in enumerate(arrays)
+        )
+        kind = (first, second, shapes)
+        if kind not in self._traced:
+            given = tuple(own.shape[1:] for own in self._parameters)
+            structures = (self._structure, first, second)
+            traced = _traced(self._step, structures, given + shapes)
+            if traced.constants:
+                raise ValueError(
+                    f"the step {self._step.__name__} closes over {len(traced.constants)} "
+                    "arrays, expected none. Give it what it needs through its parameters."
+                )
+            self._traced[kind] = traced
+        return self._traced[kind], arrays
+
+    def _made(
+        self,
+        step: Step,
+        operands: Sequence[np.ndarray],
+        moving: tuple[bool, ...],
+        seeds: Sequence[np.ndarray],
+    ) -> list[np.ndarray]:
+        """Results, and derivatives where there are tangents."""
+        robots = max(self._robots, *map(len, (*operands, *seeds)))
+        lanes = primitive.LANES if robots > 1 else 1
+        code = _code(step, moving, lanes) if machine.is_checked() else None
+        if code is None:
+            every = [*self._parameters, *operands]
+            return [np.asarray(own) for own in _by_xla(every, seeds, step=step, moving=moving)]
+        return code(self._words, robots, operands, seeds)
+
+
+@functools.cache
+def _traced(
+    step: StepFunction,
+    structures: tuple[jax.tree_util.PyTreeDef, ...],
+    shapes: tuple[tuple[int, ...], ...],
+) -> Traced:
+    likes = iter([jax.ShapeDtypeStruct(shape, np.float64) for shape in shapes])
+    return trace(
+        step,
+        *(
+            jax.tree.unflatten(own, list(itertools.islice(likes, own.num_leaves)))
+            for own in structures
+        ),
+    )
+
+
+@functools.partial(jax.jit, static_argnames=("step", "moving"))
+def _by_xla(
+    operands: Sequence[jax.Array],
+    seeds: Sequence[jax.Array],
+    *,
+    step: Step,
+    moving: tuple[bool, ...],
+) -> list[jax.Array]:
+    if not moving:
+        return primitive.results_by_xla(*operands, step=step)
+    return primitive.both_by_xla(*operands, *seeds, step=step, moving=moving)
+
+
+@functools.cache
+def _code(step: Step, moving: tuple[bool, ...], lanes: int) -> "_Code":
+    return _Code(step, moving, lanes)
+
+
+class _Code:
+    """A kernel's group of robots as a function of memory."""
+
+    def __init__(self, step: Step, moving: tuple[bool, ...], lanes: int):
+        self.results, self.lanes = tuple(step.results.items()), lanes
+        self.group: Callable[[Any, int], None] = ctypes.CFUNCTYPE(
+            None, ctypes.c_void_p, ctypes.c_long
+        )(machine.group_address(step, machine.Wanted(moving, values=True), lanes=lanes))
+
+    def __call__(
+        self,
+        parameters: Sequence[int],
+        robots: int,
+        operands: Sequence[np.ndarray],
+        seeds: Sequence[np.ndarray],
+    ) -> list[np.ndarray]:
+        steps = operands[-1].shape[1]
+        tangents = max((own.shape[1] for own in seeds), default=1)
+        results = [
+            np.empty((robots, *((steps,) if name.startswith("output") else ()), *shape))
+            for name, shape in self.results
+        ]
+        slopes = [np.empty((*own.shape, tangents)) for own in results] if seeds else []
+        groups = -(-robots // self.lanes)
+        words = dict.fromkeys(TASK, 0)
+        words |= {"last": robots - 1, "steps": steps, "tangents": tangents, "groups": groups}
+        arrays = itertools.chain(
+            *map(_own_words, operands),
+            *map(_seed_words, seeds),
+            *map(_own_words, results),
+            *map(_own_words, slopes),
+        )
+        task = np.array([*words.values(), *parameters, *arrays], np.int64)
+        place = _place(task)
+        for group in range(groups):
+            self.group(place, group)
+        return [*results, *slopes]
+
+
+def _place(own: np.ndarray) -> int:
+    return own.__array_interface__["data"][0]
+
+
+def _own_words(own: np.ndarray) -> tuple[int, int, int]:
+    """Where an array is, and how far apart its robots are; tangents, if any, come last."""
+    return _place(own), 0 if len(own) == 1 else own[0].size, 1
+
+
+def _seed_words(own: np.ndarray) -> tuple[int, int, int]:
+    """The same of tangents, which are behind the robots."""
+    tangent = 0 if own.shape[1] == 1 else own[0, 0].size
+    return _place(own), 0 if len(own) == 1 else own[0].size, tangent

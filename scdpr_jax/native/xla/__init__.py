@@ -1,0 +1,1 @@
+"""What XLA calls, and how it describes what it calls with."""

@@ -1,0 +1,1 @@
+"""Legs planned in the controller: `export/onboard/`."""

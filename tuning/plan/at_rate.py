@@ -1,0 +1,52 @@
+"""A motion at the controller's period: references, and commands by dynamics inversion."""
+
+import numpy as np
+from jaxtyping import Float
+
+from scdpr_jax.engines.led_stepping import Lead
+from scdpr_jax.robot.parameters import Robot
+from tuning.plan.led.following import Leader
+from tuning.plan.leg import Leg, places
+from tuning.plan.plan import Plan
+from tuning.plan.profile import Moment
+from tuning.plan.search.scenarios import FITTED, scenarios, starts
+
+
+def planned(
+    robot: Robot, leg: Leg, coefficients: Float[np.ndarray, " splines"], *, period: float
+) -> Plan:
+    """A motion as the controller is told it.
+
+    A command is held until the next sample, so it is that of the interval's middle.
+
+    Args:
+        robot: The fitted robot.
+        leg: The leg.
+        coefficients: Of its splines [m].
+        period: The controller's [s].
+
+    Returns:
+        The plan, from the leg's begin to the first sample after its end.
+    """
+    samples = int(np.ceil(leg.time / period - 1e-9))
+    every = places(leg, period / 4 * np.arange(4 * samples + 1))
+    lower, height = every.lower(coefficients), every.plain.value[:, 1]
+    lead = Lead(
+        *(np.stack([own[:-1:2], own[1::2], own[2::2]], axis=1)[None] for own in (lower, height))
+    )
+    alone = scenarios(robot, FITTED)
+    fitted = Leader(alone.robot)
+    run = fitted.follow(starts(alone, leg), lead, duration=period / 2)
+    middles = Moment(*(own[2::4][None] for own in every.motion(coefficients)))
+    volts = fitted.commands(run.positions[:, 1::2], middles)
+    led = np.stack([lower, height], axis=1)[::4]
+    x = np.append(run.positions[0, ::2, 0], leg.end[0])
+    radius = np.asarray(robot.drive.effective_radius)
+    way = led - led[0]
+    angle = np.stack([way[:, 0] + way[:, 1], way[:, 0] - way[:, 1]], axis=1) / radius
+    return Plan(
+        time=period * np.arange(samples + 1),
+        position=np.stack([x, height[::4]], axis=1),
+        angle=angle,
+        feedforward=np.concatenate([volts, np.zeros((1, 2))]),
+    )

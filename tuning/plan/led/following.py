@@ -1,0 +1,329 @@
+"""Robots whose lower carriage and height are led along a leg: what the rest of them does."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Array, Float
+
+from scdpr_jax import native
+from scdpr_jax.engines.led_stepping import Lead, Undriven, step, whole_position
+from scdpr_jax.robot.parameters import Robot
+from tuning.plan.feedforward import inverse_dynamics
+from tuning.plan.led.arrival import Arrival, Goal, arrival, vibration
+from tuning.plan.led.servo import Deviation, Led, Servo, deviating_step, led_force, transitions
+from tuning.plan.profile import Moment
+
+Slopes = native.Slopes
+"""Derivatives by the splines' coefficients, along the last axis."""
+
+
+class Followed(NamedTuple):
+    """How robots follow."""
+
+    end: Undriven
+    """State at the end of the leg."""
+    aside: Deviation
+    """By how much the lower carriage deviates there."""
+    positions: Float[np.ndarray, "robots steps 3"]
+    """The undriven coordinates at the beginning of each step [m, rad, m]."""
+
+
+class Leader:
+    """A robot whose own dynamics are inverted: its drives are where they are led."""
+
+    def __init__(self, robot: Robot):
+        """Nothing runs yet.
+
+        Args:
+            robot: The robot, stacked.
+        """
+        self._robot = robot
+        self._command = native.Runs(_command, robot)
+        self._force = native.Runs(_force, robot)
+
+    def follow(self, start: Undriven, lead: Lead, *, duration: float) -> Followed:
+        """The robot led along a leg.
+
+        Args:
+            start: Where it begins.
+            lead: Where it is led, a row for each step.
+            duration: Length of the steps [s].
+
+        Returns:
+            What it does.
+        """
+        led = native.Runs(_advance, (self._robot, np.array([duration])))
+        end, positions = led(start, lead)
+        return Followed(end, _none(len(positions)), positions)
+
+    def follow_linearised(
+        self,
+        start: Undriven,
+        lead: Lead,
+        *,
+        duration: float,
+        along: Float[np.ndarray, "splines steps 3"],
+    ) -> tuple[Followed, Followed]:
+        """The same with derivatives by the coefficients of splines.
+
+        Args:
+            start: Where it begins.
+            lead: Where it is led.
+            duration: Length of the steps [s].
+            along: What each spline does to the lead's lower carriage [1].
+
+        Returns:
+            What it does, and the derivatives.
+        """
+        still = np.zeros((1, 1, 3))
+        seeds = Slopes(Undriven(still, still), Lead(along[None], None))
+        led = native.Runs(_advance, (self._robot, np.array([duration])))
+        (end, positions), slopes = led.linearised(start, lead, along=seeds)
+        none = np.zeros((1, len(along)))
+        return (
+            Followed(end, _none(1), positions),
+            Followed(slopes.carried, Deviation(none, none), slopes.rows),
+        )
+
+    def commands(
+        self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
+    ) -> Float[np.ndarray, "n 2"]:
+        """Commands at some instants, by dynamics inversion.
+
+        Args:
+            positions: The undriven coordinates [m, rad, m].
+            motion: Of lower carriage and height, behind an axis of robots.
+
+        Returns:
+            The commands [V].
+        """
+        return self._command((), (positions, motion))[1][0]
+
+    def commands_linearised(
+        self,
+        positions: Float[np.ndarray, "1 n 3"],
+        motion: Moment,
+        *,
+        along: tuple[Float[np.ndarray, "1 splines n 3"], Moment],
+    ) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n 2 splines"]]:
+        """The same with derivatives.
+
+        Args:
+            positions: The undriven coordinates [m, rad, m].
+            motion: Of lower carriage and height, behind an axis of robots.
+            along: Tangents of both.
+
+        Returns:
+            The commands [V] and their derivatives [V/m].
+        """
+        (_, volts), slopes = self._command.linearised(
+            (), (positions, motion), along=Slopes((), along)
+        )
+        return volts[0], slopes.rows[0]
+
+    def forces(
+        self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
+    ) -> Float[np.ndarray, "1 n"]:
+        """What pulls at the lower carriage, with friction.
+
+        Args:
+            positions: The undriven coordinates [m, rad, m].
+            motion: Of lower carriage and height, behind an axis of robots.
+
+        Returns:
+            Forces [N].
+        """
+        return self._force((), (positions, motion.value, motion.slope))[1]
+
+    def forces_linearised(
+        self,
+        positions: Float[np.ndarray, "1 n 3"],
+        motion: Moment,
+        *,
+        along: tuple[Float[np.ndarray, "1 splines n 3"], Float[np.ndarray, "1 splines n 2"]],
+    ) -> tuple[Float[np.ndarray, "1 n"], Float[np.ndarray, "1 n splines"]]:
+        """The same with derivatives.
+
+        Args:
+            positions: The undriven coordinates [m, rad, m].
+            motion: Of lower carriage and height, behind an axis of robots.
+            along: Tangents of the coordinates and of the led positions.
+
+        Returns:
+            Forces [N] and their derivatives [N/m].
+        """
+        rows = (positions, motion.value, motion.slope)
+        (_, made), slopes = self._force.linearised((), rows, along=Slopes((), (*along, None)))
+        return made, slopes.rows
+
+
+class Followers:
+    """Robots as they might be under the feed-forward of another one."""
+
+    def __init__(self, robots: Robot, servo: Servo):
+        """Nothing runs yet.
+
+        Args:
+            robots: The robots, stacked.
+            servo: The PD that is left with what they do otherwise.
+        """
+        self._robots = robots
+        self._servo = Servo(*(part[None] for part in servo))
+        self._single = servo
+
+    def _led(self, duration: float) -> native.Runs:
+        over = transitions(self._single, duration)
+        parameters = (self._robots, np.array([duration]), self._servo, over)
+        return native.Runs(deviating_step, parameters)
+
+    def follow(self, start: Undriven, led: Led, *, duration: float) -> Followed:
+        """Robots led along a leg.
+
+        Args:
+            start: Where each begins.
+            led: Where each is led, a row for each step.
+            duration: Length of the steps [s].
+
+        Returns:
+            What they do.
+        """
+        (end, aside), positions = self._led(duration)((start, _none(1)), led)
+        return Followed(end, aside, positions)
+
+    def follow_linearised(
+        self,
+        start: Undriven,
+        led: Led,
+        *,
+        duration: float,
+        along: tuple[Float[np.ndarray, "splines steps 3"], Float[np.ndarray, "1 splines n"]],
+    ) -> tuple[Followed, Followed]:
+        """The same with derivatives by the coefficients of splines.
+
+        Args:
+            start: Where each begins.
+            led: Where each is led.
+            duration: Length of the steps [s].
+            along: What each spline does to the lead's lower carriage [1] and to the fitted
+                robot's force [N/m].
+
+        Returns:
+            What they do, and the derivatives.
+        """
+        still, calm = np.zeros((1, 1, 3)), np.zeros((1, 1))
+        way, forces = along
+        seeds = Slopes(
+            (Undriven(still, still), Deviation(calm, calm)),
+            Led(Lead(way[None], None), None, forces),
+        )
+        ((end, aside), positions), slopes = self._led(duration).linearised(
+            (start, _none(1)), led, along=seeds
+        )
+        return Followed(end, aside, positions), Followed(*slopes.carried, slopes.rows)
+
+
+class Arriving:
+    """Robots as their leg ends."""
+
+    def __init__(self, robots: Robot):
+        """Nothing runs yet.
+
+        Args:
+            robots: The robots, stacked.
+        """
+        self._arrive = native.Runs(_arriving, robots)
+        self._vibrate = native.Runs(_vibrating, robots)
+
+    def __call__(self, run: Followed, goals: Goal) -> Arrival:
+        """What robots do as their leg ends.
+
+        Args:
+            run: How they followed.
+            goals: Where they are to be.
+
+        Returns:
+            What each does.
+        """
+        _, made = self._arrive((), _single_rows(run, goals))
+        return Arrival(*(own[:, 0] for own in made))
+
+    def linearised(
+        self, run: Followed, goals: Goal, *, along: Followed
+    ) -> tuple[Arrival, Arrival]:
+        """The same with derivatives.
+
+        Args:
+            run: How they followed.
+            goals: Where they are to be.
+            along: Its derivatives.
+
+        Returns:
+            What each does, and its derivatives.
+        """
+        seeds = Undriven(*(np.moveaxis(own, -1, 1)[:, :, None] for own in along.end))
+        lower = along.aside.position[:, :, None]
+        (_, made), slopes = self._arrive.linearised(
+            (),
+            _single_rows(run, goals),
+            along=Slopes((), (seeds, Goal(lower, None, None))),
+        )
+        values, derivatives = (
+            Arrival(*(own[:, 0] for own in each)) for each in (made, slopes.rows)
+        )
+        return values, derivatives
+
+    def vibrations(self, run: Followed, goals: Goal) -> Float[np.ndarray, " robots"]:
+        """Largest peak to peak of the end-effectors once both carriages hold.
+
+        Args:
+            run: How they followed.
+            goals: Where they are to be.
+
+        Returns:
+            Peak to peak [m].
+        """
+        return self._vibrate((), _single_rows(run, goals))[1][:, 0]
+
+
+def _none(robots: int) -> Deviation:
+    return Deviation(np.zeros(robots), np.zeros(robots))
+
+
+def _advance(
+    parameters: tuple[Robot, Array], state: Undriven, lead: Lead
+) -> tuple[Undriven, Float[Array, "3"]]:
+    robot, duration = parameters
+    return step(robot, state, lead, duration), state.position
+
+
+def _command(
+    robot: Robot, _: tuple, row: tuple[Float[Array, "3"], Moment]
+) -> tuple[tuple, Float[Array, "2"]]:
+    position, motion = row
+    lower, height = motion.value
+    whole = whole_position(position, lower, height)
+    return (), inverse_dynamics(robot, whole, motion.slope, motion.curvature)
+
+
+def _force(
+    robot: Robot, _: tuple, row: tuple[Float[Array, "3"], Array, Array]
+) -> tuple[tuple, Float[Array, ""]]:
+    position, (lower, height), velocity = row
+    return (), led_force(robot, whole_position(position, lower, height), velocity[0])[0]
+
+
+def _arriving(robot: Robot, _: tuple, row: tuple[Undriven, Goal]) -> tuple[tuple, Arrival]:
+    return (), arrival(robot, *row)
+
+
+def _vibrating(robot: Robot, _: tuple, row: tuple[Undriven, Goal]) -> tuple[tuple, Array]:
+    return (), vibration(robot, *row)
+
+
+def _single_rows(run: Followed, goals: Goal) -> tuple[Undriven, Goal]:
+    """States with where the carriages are in the end, each as a run of one step."""
+    there = goals._replace(lower=goals.lower + run.aside.position)
+    return (
+        Undriven(*(own[:, None] for own in run.end)),
+        Goal(*(np.asarray(own)[:, None] for own in there)),
+    )

@@ -1,0 +1,1 @@
+"""The search for a motion that suits robots as they might be."""
