@@ -36,7 +36,8 @@ def loss(after: LegMeasures, before: LegMeasures) -> Float[np.ndarray, "..."]:
         before: Those of the same legs under Eq. (25) alone.
 
     Returns:
-        Loss of each law [1]; 0 for the plain profile, negative for less vibration.
+        Loss of each law [1]; 0 for the plain profile on legs that shake, negative for less
+        vibration.
     """
     ratio = ratios(after, before)
     resting = after.resting_error.mean(axis=-1) / before.resting_error.mean(axis=-1)

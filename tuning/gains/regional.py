@@ -155,7 +155,7 @@ def choose(
     controller: PD,
     tried: Candidates,
 ) -> list[RegionalShaper]:
-    """The candidate of the least loss in each cell.
+    """The candidate of the least loss in each cell, of those that aren't worse than plain.
 
     Args:
         cells: The cells.
@@ -178,10 +178,13 @@ def choose(
     for number, cell in enumerate(cells):
         here = jax.tree.map(lambda leaf, number=number: leaf[number], each)
         losses = loss(here, before[number])
-        best = int(np.argmin(np.where(np.isfinite(losses), losses, np.inf)))
-        left = share(here.residual_vibration[best], before[number].residual_vibration)
-        shaper = tried.shapers[number][best]
-        chosen.append(_regional(cell, shaper, name=tried.names[best], share=float(left)))
+        plain = np.broadcast_to(before[number].residual_vibration, shape[1:])
+        left = share(here.residual_vibration, plain)
+        # What is worse than plain comes after all that isn't, and what isn't finite last.
+        order = np.lexsort((np.where(np.isfinite(losses), losses, np.inf), ~(left <= 1)))
+        best = int(order[0])
+        shaper, name = tried.shapers[number][best], tried.names[best]
+        chosen.append(_regional(cell, shaper, name=name, share=float(left[best])))
     return chosen
 
 

@@ -24,6 +24,7 @@ from tuning.gains.planned_legs import planned_legs
 from tuning.gains.possible_robots import Draws, PossibleRobot, possible_robots
 from tuning.gains.regional import (
     LEGS,
+    NONE,
     Candidates,
     candidates,
     cell_at,
@@ -47,8 +48,8 @@ PREDICTED = 40
 """Random legs that a tuning is predicted on, none of which it was made for."""
 _SEARCHED, _CHOSEN, _TOLD = 11, 1000, 5
 """Seeds of the legs that are searched on, that regions are chosen on, and predicted."""
-_KEPT = 3
-"""Kinds of shapers that are tried in every region, the best ones over the workspace."""
+_KEPT = 2
+"""Kinds of shapers that are tried in every region beside none, the best over the workspace."""
 
 
 @runtime_checkable
@@ -284,7 +285,7 @@ def _is_no_worse(shapers: list[RegionalShaper], legs: PredictedLegs) -> bool:
 def _best_kinds(
     main: _Setting, seen: _Seen, controller: PD, tried: Candidates
 ) -> tuple[str, ...]:
-    """The kinds of shapers that do best by the robot that each serves worst, and none."""
+    """The kinds of shapers that do best by the robot that each serves worst, then none."""
     rows = [
         (seen.legs.rows(np.array([k])), tried.shapers[cell][number])
         for number in range(len(tried.names))
@@ -304,7 +305,8 @@ def _best_kinds(
         for k in range(count)
     ]
     order = np.argsort(np.max(by_robot, axis=0), kind="stable")
-    return tuple(tried.names[k] for k in order[:_KEPT])
+    best = [tried.names[k] for k in order if tried.names[k] != NONE]
+    return (*best[:_KEPT], NONE)
 
 
 def _predicted(

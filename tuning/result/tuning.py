@@ -68,13 +68,11 @@ class Tuning:
             for prediction in self.predicted
         ]
         if self.legs is not None:
-            count, left = len(self.legs.after.vibration), 100 * self.legs.share
-            lines.append(
-                f"  {count} random legs: {left:.3g} % of the vibration left (predicted)"
-            )
+            left = f"{100 * self.legs.share:.3g} % of the vibration left"
+            lines.append(f"  {len(self.legs)} random legs: {left}, predicted")
             if self.legs.planned is not None:
                 planned = 100 * self.legs.planned_share
-                lines.append(f"  {planned:.3g} % where they are planned (predicted)")
+                lines.append(f"  {planned:.3g} % where they are planned, predicted")
         lines += [f"  {note}" for note in (self.caution, *self.notes) if note]
         return "\n".join(lines)
 

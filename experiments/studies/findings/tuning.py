@@ -172,18 +172,21 @@ def tuning_sentences(tuning: Tuning) -> tuple[str, ...]:
             f"{plain(1e3 * before.largest_error)} mm before, "
             f"{plain(1e3 * after.largest_error)} mm after (simulated)."
         )
-    # What legs with friction were predicted to leave says more than a linear mode does.
-    ringing = [
-        regional
-        for regional in tuning.shapers
-        if regional.share is None and regional.residual_vibration.nominal > _MUCH
-    ]
+    ringing = [r for r in tuning.shapers if r.residual_vibration.nominal > _MUCH]
     if ringing:
-        sentences.append(
-            f"In {len(ringing)} of {len(tuning.shapers)} regions the shaper leaves more than "
-            "half of a vibration at its frequency: don't count on the shaper alone there."
-        )
+        sentences.append(_ringing_sentence(ringing, len(tuning.shapers)))
     return (*sentences, *(capitalised(note) for note in tuning.notes))
+
+
+def _ringing_sentence(ringing: Sequence[RegionalShaper], count: int) -> str:
+    """What it means that shapers leave much of the mode that friction holds."""
+    where = f"In {len(ringing)} of {count} regions the shaper leaves more than half of a "
+    if any(regional.share is None for regional in ringing):
+        return where + "vibration at its frequency: don't count on the shaper alone there."
+    return where + (
+        "vibration of the held mode alone: it is made for legs with friction, on which the "
+        "mode is slower while the carriages slide. Judge it by the random legs."
+    )
 
 
 def worst_margins_sentence(worst: Sequence[WorstMargin]) -> str:

@@ -13,6 +13,7 @@ def shape(
     out: pathlib.Path,
     max_duration: str | None = None,
     max_vibration: str | None = None,
+    impulses: int = 8,
     damping_ratio: float = 0.1,
     column: tuple[str, ...] = (),
     normalised: bool | None = None,
@@ -26,6 +27,7 @@ def shape(
         out: Folder for shaper.json and shaper.html.
         max_duration: The longest that the shaper may be, "20 ms": the one that leaves least.
         max_vibration: The most that it may leave, "1 %": the shortest that does.
+        impulses: The most impulses that a design may have; it has as few as leave hardly more.
         damping_ratio: Damping ratio that the catalogue's shapers are designed for; all are
             judged at three quarters, once and one and a half times that.
         column: Column of the densities, again for each further sensor; default: each
@@ -49,6 +51,11 @@ def shape(
             f"`--damping-ratio`: got {damping_ratio:g}, expected a ratio above 0 and below "
             "0.2 [1]. Machines have 0.02 to 0.15; leave it out if it isn't known."
         )
+    if impulses < 2:
+        raise ValueError(
+            f"`--impulses`: got {impulses}, expected 2 or more: one impulse is no shaper. "
+            "Leave it out for as few as leave hardly more."
+        )
     file = read_spectrum(
         spectrum,
         column=column or None,
@@ -62,6 +69,7 @@ def shape(
             damping_ratios=tuple(share * damping_ratio for share in (0.75, 1.0, 1.5)),
             max_duration=longest,
             max_vibration=most,
+            impulses=impulses,
             progress=progress,
         )
     result, report = out / "shaper.json", out / "shaper.html"

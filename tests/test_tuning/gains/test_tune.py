@@ -75,7 +75,7 @@ def test_what_is_worth_it_is_told(tuning):
 @pytest.mark.parametrize("seed", [201, 202])
 def test_a_rig_of_another_program_does_what_is_predicted(seed):
     rig = leg_rigs.draw_rig(seed, elastic=False)
-    tuning = tune(_fit_of(rig), None)
+    tuning = tune(_fit_of(rig), None, effort=Effort(planned=0))
     legs = leg_rigs.random_legs(seed, 30)
     plain, now = (
         np.array([driven(rig, leg, tuning if tuned else None) for leg in legs]).T
@@ -139,7 +139,7 @@ def test_gains_that_make_a_region_worse_are_given_up_for_those_of_eq_25(monkeypa
     given_up = tune(
         types.SimpleNamespace(robot=RIG_A, of_setting=lambda label: RIG_A),
         KNOCKS,
-        effort=Effort(legs=4, population=4, generations=1),
+        effort=Effort(legs=4, population=4, generations=1, planned=0),
     )
     assert float(given_up.controller.proportional_gain) == float(PLAIN.proportional_gain)
     assert all(regional.share <= 1 for regional in given_up.shapers)

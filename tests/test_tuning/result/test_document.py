@@ -15,12 +15,17 @@ from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import published_plant
 from tuning.loop.worst_margins import WorstMargin
 from tuning.result.document import read_tuning, tuning_document, write_tuning
-from tuning.result.prediction import Metrics, Prediction
+from tuning.result.prediction import LegsOutcome, Metrics, PredictedLegs, Prediction
 from tuning.result.regional_shaper import Region, RegionalShaper, ResidualVibration
 from tuning.result.tuning import CAUTION, FittedSetting, Tuning
 from tuning.shapers.catalogue import ei
 
 METRICS = Metrics(5e-3, 2e-3, 54e-3, 15e-3, 54e-3, 8.9, 0.0)
+LEGS = PredictedLegs(
+    LegsOutcome(np.array([4e-3, 2e-3, 6e-3, 2e-3]), np.full(4, 5e-3)),
+    LegsOutcome(np.array([1e-3, 2.5e-3, 1.5e-3, 0.5e-3]), np.full(4, 4e-3)),
+    robots=2,
+)
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +47,44 @@ def test_a_tuning_that_is_written_and_read_is_the_same(tuning, tmp_path):
     write_tuning(tmp_path / "tuning.json", tuning)
     again = read_tuning(tmp_path / "tuning.json")
     assert tuning_document(again) == tuning_document(tuning)
+
+
+@pytest.fixture(scope="module")
+def predicted(tuning):
+    regional = dataclasses.replace(tuning.shapers[0], kind="own", share=0.25)
+    return dataclasses.replace(tuning, shapers=(regional,), legs=LEGS)
+
+
+def test_random_legs_that_are_written_and_read_are_the_same(predicted, tmp_path):
+    write_tuning(tmp_path / "tuning.json", predicted)
+    again = read_tuning(tmp_path / "tuning.json")
+    assert tuning_document(again) == tuning_document(predicted)
+    assert (again.shapers[0].kind, again.shapers[0].share) == ("own", 0.25)
+    np.testing.assert_array_equal(again.legs.after.vibration, LEGS.after.vibration)
+
+
+def test_random_legs_tell_what_is_left_of_the_robot_that_is_served_worst():
+    assert LEGS.share == pytest.approx((0.25 * 1.25 * 0.25 * 0.25) ** 0.25)
+    assert LEGS.worst_share == pytest.approx((1.25 * 0.25) ** 0.5)
+    assert LEGS.worse == 0.25
+
+
+def test_a_tuning_tells_its_random_legs(predicted):
+    assert "  4 random legs: 37.4 % of the vibration left, predicted" in repr(predicted)
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (lambda d: d["legs"]["before"]["residual_vibration"].pop(), r"lists of \[3, 4\] legs"),
+        (lambda d: d["legs"].update(robots=5), "for 5 robots"),
+        (lambda d: d["legs"]["after"].update(resting_error=[-1.0] * 4), "resting_error.0"),
+        (lambda d: d["shapers"][0].update(share=-0.1), "share is wrong"),
+    ],
+)
+def test_legs_that_cant_be_are_refused(predicted, tmp_path, change, where):
+    with pytest.raises(ValueError, match=where):
+        read_tuning(broken(predicted, tmp_path, change))
 
 
 def test_a_tuning_says_in_a_few_lines_what_it_holds(tuning):

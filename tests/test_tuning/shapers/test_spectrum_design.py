@@ -1,5 +1,6 @@
 """The shaper for a spectrum against what the spectrum's judge computes by itself."""
 
+import itertools
 import json
 import pathlib
 
@@ -74,12 +75,48 @@ def test_no_shaper_of_the_catalogue_beats_its_optimised_counterparts(design):
         assert float(one.same_vibration.shaper.duration) <= float(one.fit.shaper.duration)
 
 
-def test_the_front_falls_from_one_duration_to_the_next(design):
-    durations = [float(each.shaper.duration) for each in design.front]
-    residuals = [each.residual for each in design.front]
-    assert np.all(np.diff(durations) > 0)
-    assert np.all(np.diff(residuals) <= 1e-6)
-    assert residuals[-1] <= 1e-7
+def test_no_design_of_the_front_is_beaten_by_another(design):
+    each = [
+        (float(one.shaper.duration), one.shaper.times.size, one.residual)
+        for one in design.front
+    ]
+    for one, other in itertools.permutations(each, 2):
+        assert any(a < b for a, b in zip(one, other, strict=True))
+    assert each == sorted(each)
+    assert each[-1][2] <= 1e-7
+
+
+def test_with_as_many_impulses_longer_designs_of_the_front_leave_less(design):
+    for count in {one.shaper.times.size for one in design.front}:
+        same = [one.residual for one in design.front if one.shaper.times.size == count]
+        assert same == sorted(same, reverse=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("impulses", [2, 3])
+def test_no_design_has_more_impulses_than_are_allowed(impulses):
+    capped = design_for_spectrum(two_peaks(), impulses=impulses)
+    designs = [capped.recommended, *capped.front]
+    designs += [one.same_duration for one in capped.compared]
+    designs += [one.same_vibration for one in capped.compared]
+    assert max(one.shaper.times.size for one in designs) <= impulses
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("frequency", [0.3, 4.0, 200.0])
+@pytest.mark.parametrize("damping_ratio", [0.02, 0.06])
+def test_a_single_clean_mode_needs_two_to_four_impulses(frequency, damping_ratio):
+    at = frequency * np.linspace(0.01, 4.0, 400)
+    ratio = at / frequency
+    power = 1 / ((1 - ratio**2) ** 2 + (2 * damping_ratio * ratio) ** 2)
+    best = design_for_spectrum(Spectrum(at, power / power.max())).recommended
+    assert 2 <= best.shaper.times.size <= 4
+    assert best.residual <= 0.05
+
+
+def test_one_impulse_is_refused():
+    with pytest.raises(ValueError, match="one impulse is no shaper"):
+        design_for_spectrum(two_peaks(), impulses=1)
 
 
 @needs_printers

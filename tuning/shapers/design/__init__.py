@@ -2,6 +2,7 @@
 
 from tuning.shapers.design.criterion import Criterion as Criterion
 from tuning.shapers.design.criterion import worst_residual as worst_residual
+from tuning.shapers.design.fewest import fewest_impulses as fewest_impulses
 from tuning.shapers.design.positive import Design as Design
 from tuning.shapers.design.positive import least_duration as least_duration
 from tuning.shapers.design.positive import least_residual as least_residual
