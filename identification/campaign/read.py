@@ -97,7 +97,7 @@ def survey(path: str | Path) -> Reading:
     if not runs:
         faults = (*faults, _no_runs(folder))
     good = tuple(reading.run for reading in runs if reading.run is not None)
-    campaign = None if document is None else _campaign(document, folder, good)
+    campaign = None if document is None else campaign_of(document, folder, good)
     return Reading(faults, campaign, runs)
 
 
@@ -128,7 +128,30 @@ def _no_runs(folder: Path) -> Fault:
     )
 
 
-def _campaign(document: CampaignDocument, folder: Path, runs: tuple[Run, ...]) -> Campaign:
+def read_rig(folder: Path) -> tuple[Campaign | None, tuple[Fault, ...]]:
+    """What a campaign's folder states of its rig.
+
+    Args:
+        folder: The folder.
+
+    Returns:
+        The campaign without runs, None if `campaign.toml` is at fault; and the faults.
+    """
+    document, faults = read_model(folder / CAMPAIGN_FILE, CampaignDocument, file=CAMPAIGN_FILE)
+    return (None if document is None else campaign_of(document, folder, ())), faults
+
+
+def campaign_of(document: CampaignDocument, folder: Path, runs: tuple[Run, ...]) -> Campaign:
+    """A campaign of what its document states, and of its runs.
+
+    Args:
+        document: What stands in `campaign.toml`.
+        folder: The campaign's folder, whose name it has if it isn't stated.
+        runs: The runs.
+
+    Returns:
+        The campaign.
+    """
     sensors = default_sensors(document.counts_per_rev)
     return Campaign(
         name=document.name or folder.resolve().name,

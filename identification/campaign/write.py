@@ -49,7 +49,7 @@ def write_campaign(campaign: Campaign, path: str | Path) -> None:
     target = Path(path)
     _check_free(target)
     for run in campaign.runs:
-        _check_name(run.name)
+        check_name(run.name)
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.parent) as scratch:
         draft = Path(scratch) / "draft"
@@ -71,7 +71,15 @@ def _check_free(target: Path) -> None:
         )
 
 
-def _check_name(name: str) -> None:
+def check_name(name: str) -> None:
+    """Refuse the name of a run that can't be that of a folder.
+
+    Args:
+        name: The name.
+
+    Raises:
+        ValueError: If it can't.
+    """
     if not name or name.startswith(".") or any(mark in name for mark in "/\\:\0"):
         raise ValueError(
             f"run {name!r}: the name can't be that of a folder, expected one without "
@@ -82,6 +90,16 @@ def _check_name(name: str) -> None:
 def _write_files(campaign: Campaign, folder: Path) -> None:
     folder.mkdir()
     _write_text(folder / CAMPAIGN_FILE, _campaign_document(campaign))
+    write_runs(campaign, folder)
+
+
+def write_runs(campaign: Campaign, folder: Path) -> None:
+    """Write a campaign's runs.
+
+    Args:
+        campaign: The campaign.
+        folder: The folder that gets one for each run.
+    """
     for run in campaign.runs:
         place = folder / run.name
         place.mkdir()
