@@ -54,13 +54,37 @@ def import_runs(
             for path in _paths(run, stream, home):
                 wanted.setdefault(path, _dialect(table))
     logs, reasons = open_logs(wanted.items())
-    faults += reasons
-    runs = []
+    made = runs_of(document, logs, home=home, file=file, counts_per_rev=counts_per_rev)
+    faults = _told_once((*faults, *reasons, *made.faults))
+    return Imported(() if faults else made.runs, faults)
+
+
+def runs_of(
+    document: MappingDocument,
+    logs: Mapping[Path, Log],
+    *,
+    home: Path,
+    file: str,
+    counts_per_rev: float | None,
+) -> Imported:
+    """The runs of a mapping, of logs that are open.
+
+    Args:
+        document: The mapping.
+        logs: The logs by path; runs with others are passed over.
+        home: The folder that its paths count from.
+        file: The mapping itself, for messages.
+        counts_per_rev: Encoder counts of one turn of a driver pulley [1], None if unknown.
+
+    Returns:
+        The runs that can be made, and what is wrong with the others.
+    """
+    runs, faults = [], []
     for run in document.run:
         made, reasons = _run(document, run, logs, home=home, counts=counts_per_rev)
         faults += [_placed(each, run, file) for each in reasons]
         runs += [] if made is None else [made]
-    return Imported(() if faults else tuple(runs), _told_once(faults))
+    return Imported(tuple(runs), tuple(faults))
 
 
 def _streams(document: MappingDocument) -> dict[str, StreamTable]:

@@ -114,7 +114,7 @@ def _write_text(path: Path, lines: Iterable[str]) -> None:
 
 
 def _campaign_document(campaign: Campaign) -> list[str]:
-    lines = [f"format = {FORMAT}", f"name = {_text(campaign.name)}"]
+    lines = [f"format = {FORMAT}", f"name = {toml_text(campaign.name)}"]
     if campaign.counts_per_rev is not None:
         lines.append(f"counts_per_rev = {format_quantity(campaign.counts_per_rev, '1')}")
     if campaign.robot:
@@ -126,9 +126,9 @@ def _campaign_document(campaign: Campaign) -> list[str]:
 def _run_document(run: Run) -> list[str]:
     lines = [
         f"format = {FORMAT}",
-        f"kind = {_text(run.kind)}",
+        f"kind = {toml_text(run.kind)}",
         _entry("pretension", run.pretension, "N"),
-        f"notes = {_text(run.notes)}",
+        f"notes = {toml_text(run.notes)}",
         *_section("initial", run.initial),
         *_section("knock", run.knock),
     ]
@@ -154,8 +154,15 @@ def _entry(name: str, value: float, unit: str) -> str:
     return f'{name} = "{format_quantity(value, unit)}"'
 
 
-def _text(text: str) -> str:
-    """A text as a basic string of TOML: as JSON writes it, but that DEL is escaped too."""
+def toml_text(text: str) -> str:
+    """A text as a basic string of TOML: as JSON writes it, but that DEL is escaped too.
+
+    Args:
+        text: The text.
+
+    Returns:
+        The string with its quotation marks.
+    """
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
