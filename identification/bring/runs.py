@@ -174,7 +174,9 @@ def _run(
     faults += [
         fault for name, part in parts.items() for fault in _part_faults(name, part, made[name])
     ]
-    return (None, faults) if faults else (_assembled(document, run, parts, offset), [])
+    # What is missing of the run itself has been told already.
+    told = _mapping_faults(document.model_copy(update={"run": [run]}), "")
+    return (None, faults) if faults or told else (_assembled(document, run, parts, offset), [])
 
 
 def _from_one_zero(made: Mapping[str, Stream]) -> dict[str, Stream]:

@@ -29,6 +29,8 @@ from scdpr_jax.numerics.files import write_whole
 
 _SETTING = re.compile(r"(?<![\d.])(\d{2,4}(?:\.\d+)?)[ _]?N(?![a-zA-Z])")
 """A pretension in a log's name: `knock_350N_03.csv`."""
+_COUNTS = 26624.0
+"""Counts of a turn where neither a campaign nor the camera says any: the paper's rig's."""
 _ROUNDS = 3
 """How often the doctor is asked: a sign may hide a plug."""
 
@@ -147,7 +149,7 @@ def _by_signals(
     """The proposal with what signals tell: units of angles, slips, cuts, kinds and knocks."""
     proposal = dataclasses.replace(proposal, clock_offset=("0 s", ""))
     proposal = _encoders(proposal, logs, rig, streams)
-    counts = rig.counts_per_rev or proposal.counts_per_rev
+    counts = rig.counts_per_rev or proposal.counts_per_rev or _COUNTS
     told_: list[str] = []
     for _ in range(_ROUNDS):
         runs = _runs(proposal, logs, counts)

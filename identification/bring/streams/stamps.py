@@ -9,6 +9,7 @@ from jaxtyping import Float64, Shaped
 
 LATE = 1e8
 """Time from which on a clock counts from a date, not from the log's begin [s]: three years."""
+_TRIED = 8
 _DAY = 86400.0
 _CLOCK = re.compile(r"\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?")
 
@@ -27,6 +28,8 @@ def from_texts(
     """
     import pandas
 
+    if len(texts) > 2 * _TRIED and from_texts(texts[:_TRIED]) is None:
+        return None  # words, as the first of them show
     cells = pandas.Series(np.asarray(texts, dtype=str)).str.strip()
     cells = cells.str.replace(",", ".", regex=False)
     if all(_CLOCK.fullmatch(cell) for cell in cells):

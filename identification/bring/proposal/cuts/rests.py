@@ -27,6 +27,8 @@ MOVES = 3.0
 """Range or scatter over that at rest from which on it is motion [1]."""
 STRONG = 12.0
 """The same of a knock, which is no command's [1]: some millimetres."""
+DRIVEN = 6.0
+"""The same of what a command drives [1]; less is a controller's chatter about a count."""
 COMMAND = 0.05
 """Share of the largest command that a change must have to be one [1]."""
 LEAD = 1.0
@@ -64,7 +66,7 @@ def parts(run: Run) -> list[Part]:
             carried = begin if carried is None else carried
         elif end - begin < SHORTEST + 2 * HALF and _is_jump(run, begin, end):
             jumps.append(end)
-        elif commanded[inside].any() or motion[inside].max() > STRONG:
+        elif motion[inside].max() > (DRIVEN if commanded[inside].any() else STRONG):
             events.append((begin if carried is None else carried, end))
             carried = None
         elif events:

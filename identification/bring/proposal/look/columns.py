@@ -132,7 +132,7 @@ def _stream(stream: str, columns: StreamColumns, names: Sequence[str]) -> dict[s
     for name in names:
         role = columns.given.get(name)
         if role is not None:
-            made[name] = _choice(name, role, columns)
+            made[name] = _choice(stream, name, role, columns)
         elif name not in OPTIONAL and name != "t":
             made[name] = Choice(why=("no column of the log seems to be this",))
         elif name == "t" and not all(r.signal.waveform for r in columns.given.values()):
@@ -165,14 +165,14 @@ def _seen(columns: Sequence[np.ndarray]) -> list[np.ndarray]:
     return [column[~np.isin(column, CODES)] for column in columns]
 
 
-def _choice(name: str, role: Role, columns: StreamColumns) -> Choice:
+def _choice(stream: str, name: str, role: Role, columns: StreamColumns) -> Choice:
     signal = role.signal
     made = Choice(channel=signal.channel, unit=signal.unit, why=(role.why,))
     if name == "t":
         if signal.is_stamp:
             return dataclasses.replace(made, unit="UTC")
         if not signal.unit.strip(" -1"):
-            unit, why = raw.time_unit(columns.values["t"])
+            unit, why = raw.time_unit(columns.values["t"], stream)
             made = made.because(f"no unit is stated; {why}", unit=unit)
         return made
     if signal.own_time:

@@ -7,33 +7,35 @@ from jaxtyping import Float64
 
 from identification.bring.proposal.look.codes import CODES
 
-Columns = Sequence[Float64[np.ndarray, " samples"]]
+Columns = Sequence[Float64[np.ndarray, " _"]]
 PERIODS = (360.0, 2 * np.pi, 1.0, *(float(2**bits) for bits in range(8, 33)))
 """Where angles and counters wrap."""
-_SHORTEST, _LONGEST = 2e-5, 0.3
-"""Periods between samples that a log of this robot has [s]."""
+_PERIODS = {"drive": (2e-5, 0.05), "camera": (1e-3, 0.3)}
+"""Shortest and longest time between samples that a stream of this robot has [s]."""
 _LENGTHS = (("m", 0.02, 3.0), ("cm", 10.0, 300.0), ("mm", 300.0, 3000.0))
 """Largest positions in a frame of 2 m by 1 m in each unit."""
 _VOLTS = (("V", 0.3, 40.0), ("mV", 300.0, 40000.0))
 """Largest commands in each unit; the amplifiers take 10 V."""
 
 
-def time_unit(columns: Columns) -> tuple[str, str]:
+def time_unit(columns: Columns, stream: str) -> tuple[str, str]:
     """The unit of a column of times.
 
     Args:
         columns: Its numbers, of each log.
+        stream: "drive" or "camera".
 
     Returns:
         The unit, empty where none or several fit; and why.
     """
+    shortest, longest = _PERIODS[stream]
     steps = [float(np.median(np.diff(column))) for column in columns]
     step = float(np.median(steps))
     length = max(float(np.ptp(column)) for column in columns)
     fitting = [
         unit
         for unit, scale in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
-        if _SHORTEST <= step * scale <= _LONGEST and 0.1 <= length * scale <= 1e5
+        if shortest < step * scale < longest and 0.1 <= length * scale <= 1e5
     ]
     if len(fitting) != 1:
         return "", f"a sample every {step:.4g}, which fits {' and '.join(fitting) or 'no unit'}"
@@ -71,6 +73,8 @@ def _by_size(
     size = max(float(np.nanquantile(np.abs(log), 0.98)) for column in columns for log in column)
     fitting = [unit for unit, low, high in known if low <= size < high]
     unit = fitting[0] if len(fitting) == 1 else ""
+    if size == 0:
+        return known[0][0], f"{what} of zero throughout, which any unit is"
     return unit, f"{what} up to {size:.4g}"
 
 

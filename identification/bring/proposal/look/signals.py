@@ -149,7 +149,7 @@ class Looks:
     """Its middle step."""
 
 
-def looks(columns: Sequence[Float64[np.ndarray, " samples"]]) -> Looks:
+def looks(columns: Sequence[Float64[np.ndarray, " _"]]) -> Looks:
     """What a signal looks like.
 
     Args:
