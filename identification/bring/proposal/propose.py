@@ -25,14 +25,15 @@ from identification.campaign.faults import CampaignError, Fault
 from identification.campaign.types import Campaign, Run
 from identification.doctor.case import rig_of
 from identification.doctor.examine import examine
+from identification.doctor.findings import Finding
 from scdpr_jax.numerics.files import write_whole
 
 _SETTING = re.compile(r"(?<![\d.])(\d{2,4}(?:\.\d+)?)[ _]?N(?![a-zA-Z])")
 """A pretension in a log's name: `knock_350N_03.csv`."""
 _COUNTS = 26624.0
 """Counts of a turn where neither a campaign nor the camera says any: the paper's rig's."""
-_ROUNDS = 3
-"""How often the doctor is asked: a sign may hide a plug."""
+_ROUNDS = 4
+"""How often the doctor is asked: a sign may hide a plug. The last time nothing is changed."""
 
 
 def propose_mapping(
@@ -150,26 +151,26 @@ def _by_signals(
     proposal = dataclasses.replace(proposal, clock_offset=("0 s", ""))
     proposal = _encoders(proposal, logs, rig, streams)
     counts = rig.counts_per_rev or proposal.counts_per_rev or _COUNTS
-    told_: list[str] = []
-    for _ in range(_ROUNDS):
+    whole, changes = proposal.runs, []
+    for left in reversed(range(_ROUNDS)):
+        proposal = dataclasses.replace(proposal, runs=whole)
         runs = _runs(proposal, logs, counts)
         if not runs:
             break
-        campaign = _campaign(rig, proposal, runs, counts)
+        # Kinds first: to the doctor, bare drives are a robot's that is far too light.
+        proposal = _cut(proposal, runs, rig)
+        campaign = dataclasses.replace(
+            rig, runs=_runs(proposal, logs, counts), counts_per_rev=counts
+        )
         findings = examine(campaign)
         changed, lines = mended(proposal.choices, findings)
-        if not lines:
+        if not lines or not left:
+            proposal = _knocks_and_clock(proposal, campaign, findings)
             break
-        told_ += lines
+        changes += lines
         proposal = dataclasses.replace(proposal, choices=changed)
-    runs = _runs(proposal, logs, counts)
-    if runs:
-        proposal = _cut(proposal, runs, rig)
-    runs = _runs(proposal, logs, counts)
-    if runs:
-        proposal = _knocks_and_clock(proposal, _campaign(rig, proposal, runs, counts))
-    changed = tuple(f"changed after looking at the signals: {line}" for line in told_)
-    return dataclasses.replace(proposal, told=(*proposal.told, *changed))
+    told_ = tuple(f"changed after looking at the signals: {line}" for line in changes)
+    return dataclasses.replace(proposal, told=(*proposal.told, *told_))
 
 
 def _runs(
@@ -179,12 +180,6 @@ def _runs(
     by_path = {path.absolute(): log for path, log in logs.items()}
     document = proposal.document()
     return runs_of(document, by_path, home=Path(), file="", counts_per_rev=counts).runs
-
-
-def _campaign(
-    rig: Campaign, proposal: Proposal, runs: Sequence[Run], counts: float | None
-) -> Campaign:
-    return dataclasses.replace(rig, runs=tuple(runs), counts_per_rev=counts)
 
 
 def _encoders(
@@ -258,9 +253,10 @@ def _between(run: Run, begin: float, end: float) -> Run:
     return dataclasses.replace(run, drive=drive, camera=camera)
 
 
-def _knocks_and_clock(proposal: Proposal, campaign: Campaign) -> Proposal:
+def _knocks_and_clock(
+    proposal: Proposal, campaign: Campaign, found: Sequence[Finding]
+) -> Proposal:
     """The proposal with the knocks that are seen, and what the clocks say."""
-    found = examine(campaign)
     steps = [step for each in found if each.mend is not None for step in each.mend["steps"]]
     knocks = {
         step["run"]: (step["start"], step["duration"])
