@@ -18,9 +18,16 @@ from identification.bring.streams.clocks import Clock
 from identification.bring.streams.stream import Stream, cut, read_stream
 from identification.campaign.faults import Fault
 from identification.campaign.quantities import format_quantity
-from identification.campaign.streams import POSITIONS, drive_stream
-from identification.campaign.tables.columns import CAMERA, drive_columns
-from identification.campaign.types import CameraStream, DriveStream, Initial, Knock, Run
+from identification.campaign.streams import POSITIONS, accelerometer_stream, drive_stream
+from identification.campaign.tables.columns import ACCELEROMETER, CAMERA, drive_columns
+from identification.campaign.types import (
+    AccelerometerStream,
+    CameraStream,
+    DriveStream,
+    Initial,
+    Knock,
+    Run,
+)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -88,12 +95,21 @@ def runs_of(
 
 
 def _streams(document: MappingDocument) -> dict[str, StreamTable]:
-    return {"drive": document.drive, "camera": document.camera}
+    return {
+        "drive": document.drive,
+        "camera": document.camera,
+        "accelerometer": document.accelerometer,
+    }
 
 
 def _paths(run: RunTable, stream: str, home: Path) -> list[Path]:
     """A run's logs of a stream."""
-    names = {"drive": run.drive_log, "camera": run.camera_log}[stream]
+    logs = {
+        "drive": run.drive_log,
+        "camera": run.camera_log,
+        "accelerometer": run.accelerometer_log,
+    }
+    names = logs[stream]
     names = [names] if isinstance(names, str) else names or []
     return [home / name for name in names]
 
@@ -146,15 +162,21 @@ def _run(
     """A run of its logs, or what is wrong with it."""
     made: dict[str, Stream] = {}
     faults: list[Fault] = []
-    known = {"drive": drive_columns(counts), "camera": CAMERA}
-    overrides = {"drive": run.drive_columns, "camera": run.camera_columns}
+    known = {
+        "drive": drive_columns(counts), "camera": CAMERA, "accelerometer": ACCELEROMETER
+    }  # fmt: skip
+    overrides = {
+        "drive": run.drive_columns,
+        "camera": run.camera_columns,
+        "accelerometer": run.accelerometer_columns,
+    }
     for name, table in _streams(document).items():
         paths = _paths(run, name, home)
         if not paths or any(path not in logs for path in paths):
             continue
         said = {**table.columns, **overrides[name]}
         stream, reasons = read_stream(
-            [logs[path] for path in paths], said, known[name], sparse=name != "drive"
+            [logs[path] for path in paths], said, known[name], sparse=name == "camera"
         )
         faults += [_in_table(each, name) for each in reasons]
         if stream is not None:
@@ -227,14 +249,14 @@ def _part_faults(name: str, part: Stream, whole: Stream) -> list[Fault]:
             remedy="Give times on the drive log's own clock.",
         )
         return [fault]
-    if name != "drive":
+    if name == "camera":
         return []
     for column, values in part.columns.items():
         bad = ~np.isfinite(values)
         if bad.any():
             time = part.clock.instants[int(np.argmax(bad))]
             fault = Fault(
-                what="an empty cell in the drive's log",
+                what=f"an empty cell in the {name}'s log",
                 column=column,
                 got=f"nothing at t = {time:.6g} s, in {int(bad.sum())} samples",
                 expected="a number in every sample",
@@ -261,6 +283,9 @@ def _assembled(
         pretension_label=format_quantity(pretension, "N"),
         drive=_drive(parts["drive"]),
         camera=_camera(parts["camera"]) if "camera" in parts else None,
+        accelerometer=_accelerometer(parts["accelerometer"])
+        if "accelerometer" in parts
+        else None,
         notes="\n".join([*filter(None, [stated]), "Imported by scdpr import.", *told]),
         initial=None if initial is None else Initial(**dict(initial)),
         knock=None if knock is None or kind != "pseudo_impulse" else Knock(**dict(knock)),
@@ -275,6 +300,10 @@ def _drive(part: Stream) -> DriveStream:
 def _camera(part: Stream) -> CameraStream:
     position = np.stack([part.columns[name] for name in POSITIONS], axis=-1)
     return CameraStream(time=part.clock.instants, position=position)
+
+
+def _accelerometer(part: Stream) -> AccelerometerStream:
+    return accelerometer_stream({"t": part.clock.instants, **part.columns}, {})
 
 
 def _in_table(fault: Fault, stream: str) -> Fault:

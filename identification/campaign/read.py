@@ -6,7 +6,12 @@ from pathlib import Path
 from identification.campaign.faults import CampaignError, Fault
 from identification.campaign.quantities import format_quantity
 from identification.campaign.schema import CampaignDocument, RunDocument, read_model
-from identification.campaign.streams import DRIVE_FILE, read_camera, read_drive
+from identification.campaign.streams import (
+    DRIVE_FILE,
+    read_accelerometer,
+    read_camera,
+    read_drive,
+)
 from identification.campaign.tables.document import row_of
 from identification.campaign.tables.text_file import read_text
 from identification.campaign.types import (
@@ -168,7 +173,8 @@ def _read_run(folder: Path, *, counts_per_rev: float | None) -> RunReading:
     )
     drive, drive_faults = read_drive(folder, counts_per_rev=counts_per_rev)
     camera, camera_faults = read_camera(folder)
-    faults = (*faults, *drive_faults, *camera_faults)
+    accelerometer, accelerometer_faults = read_accelerometer(folder)
+    faults = (*faults, *drive_faults, *camera_faults, *accelerometer_faults)
     if document is not None:
         faults = (*faults, *_knock_faults(document, drive, folder))
     if faults or document is None or drive is None:
@@ -185,6 +191,7 @@ def _read_run(folder: Path, *, counts_per_rev: float | None) -> RunReading:
         clock_offset=document.camera.clock_offset,
         drive=drive,
         camera=camera,
+        accelerometer=accelerometer,
     )
     return RunReading(folder.name, run, ())
 

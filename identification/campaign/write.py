@@ -15,10 +15,16 @@ from jaxtyping import Float64, Shaped
 from identification.campaign.faults import CampaignError
 from identification.campaign.quantities import format_quantity
 from identification.campaign.read import CAMPAIGN_FILE, RUN_FILE, survey
-from identification.campaign.streams import CAMERA_FILE, DRIVE_FIELDS, DRIVE_FILE
+from identification.campaign.streams import (
+    ACCELEROMETER_FILE,
+    CAMERA_FILE,
+    DRIVE_FIELDS,
+    DRIVE_FILE,
+)
 from identification.campaign.tables.columns import drive_columns
 from identification.campaign.tables.document import FORMAT
 from identification.campaign.types import (
+    AccelerometerStream,
     CameraStream,
     Campaign,
     DriveStream,
@@ -107,6 +113,9 @@ def write_runs(campaign: Campaign, folder: Path) -> None:
         _write_csv(place / DRIVE_FILE, _drive_columns(run.drive, campaign.counts_per_rev))
         if run.camera is not None:
             _write_csv(place / CAMERA_FILE, _camera_columns(run.camera))
+        if run.accelerometer is not None:
+            columns = _accelerometer_columns(run.accelerometer)
+            _write_csv(place / ACCELEROMETER_FILE, columns)
 
 
 def _write_text(path: Path, lines: Iterable[str]) -> None:
@@ -199,6 +208,12 @@ def _camera_columns(camera: CameraStream) -> dict[str, list[str]]:
         "q_4 [mm]": _cells(q_4, _millimetres),
     }
     return columns | _extra_columns(camera.extra)
+
+
+def _accelerometer_columns(stream: AccelerometerStream) -> dict[str, list[str]]:
+    axes = {"a_x": stream.along, "a_y": stream.upwards, "a_z": stream.across}
+    columns = {f"{n} [m/s^2]": _cells(a) for n, a in axes.items() if a is not None}
+    return {"t [s]": _cells(stream.time)} | columns | _extra_columns(stream.extra)
 
 
 def _extra_columns(extra: dict[str, Shaped[np.ndarray, " rows"]]) -> dict[str, list[str]]:
