@@ -2,8 +2,8 @@ r"""A knock's ring-down in an accelerometer's stream.
 
 A decaying sine's second derivative is one of the same frequency and the same decay, so what is
 fitted to a camera's positions is fitted to accelerations as they are; gravity is an offset.
-Only amplitudes differ, by $\omega^2$: a fast mode that a camera hardly sees is large here, so modes
-are ranked by the motion that they are.
+Only amplitudes differ, by $\omega^2$: a fast mode that a camera hardly sees is large here, so
+modes are ranked by the motion that they are.
 """
 
 import dataclasses

@@ -10,7 +10,7 @@ from identification.bring.proposal.look.codes import CODES
 Columns = Sequence[Float64[np.ndarray, " _"]]
 PERIODS = (360.0, 2 * np.pi, 1.0, *(float(2**bits) for bits in range(8, 33)))
 """Where angles and counters wrap."""
-_PERIODS = {"drive": (2e-5, 0.05), "camera": (1e-3, 0.3)}
+_PERIODS = {"drive": (2e-5, 0.05), "camera": (1e-3, 0.3), "accelerometer": (1e-5, 0.05)}
 """Shortest and longest time between samples that a stream of this robot has [s]."""
 _LENGTHS = (("m", 0.02, 3.0), ("cm", 10.0, 300.0), ("mm", 300.0, 3000.0))
 """Largest positions in a frame of 2 m by 1 m in each unit."""

@@ -52,7 +52,10 @@ def signals(log: Log) -> list[Signal]:
 def _columns(channel: Channel) -> Iterator[Signal]:
     if channel.missing:
         return
-    above, _, last = _split(channel.name)
+    # A header's slash or point is its unit's; only groups and structures have members.
+    above, _, last = ("", "", channel.name)
+    if channel.lines is None:
+        above, _, last = _split(channel.name)
     words = channel.label or bare(last)
     if channel.values.dtype.kind == "U":
         made = from_texts(channel.values) if channel.values.size > 1 else None
