@@ -8,6 +8,9 @@ from identification.bring.proposal.choice import Choice
 from identification.campaign.tables.columns import CAMERA, drive_columns
 from identification.doctor.findings import Finding
 
+_SCALES = "scale."
+"""Findings that a proposal leaves alone: how far off a calibration is, a person measures."""
+
 Choices = dict[str, dict[str, Choice]]
 """Of each stream its columns' choices."""
 
@@ -26,7 +29,8 @@ def mended(choices: Choices, findings: Iterable[Finding]) -> tuple[Choices, list
     changed = {stream: dict(columns) for stream, columns in choices.items()}
     told = []
     for finding in findings:
-        if finding.mend is None or finding.severity == "note":
+        of_scale = finding.id.startswith(_SCALES)
+        if finding.mend is None or finding.severity == "note" or of_scale:
             continue
         steps = finding.mend["steps"]
         if sum(_apply(changed, step, finding.what) for step in steps):

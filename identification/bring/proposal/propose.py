@@ -149,11 +149,12 @@ def _by_signals(
 ) -> Proposal:
     """The proposal with what signals tell: units of angles, slips, cuts, kinds and knocks."""
     proposal = dataclasses.replace(proposal, clock_offset=("0 s", ""))
-    proposal = _encoders(proposal, logs, rig, streams)
-    counts = rig.counts_per_rev or proposal.counts_per_rev or _COUNTS
     whole, changes = proposal.runs, []
     for left in reversed(range(_ROUNDS)):
         proposal = dataclasses.replace(proposal, runs=whole)
+        # Anew each time: the counts of a turn were those of the wrong carriage, perhaps.
+        proposal = _encoders(proposal, logs, rig, streams)
+        counts = rig.counts_per_rev or proposal.counts_per_rev or _COUNTS
         runs = _runs(proposal, logs, counts)
         if not runs:
             break
