@@ -50,6 +50,8 @@ class Channel:
     """Its own clock, of a waveform."""
     epoch: int | None = None
     """Of stamps: whole seconds since 1970 that its numbers [s] count from."""
+    near: tuple[int, Float64[np.ndarray, " samples"]] | None = None
+    """Of numbers so large that doubles round them: a whole number, and the rest of each."""
     odd: Mapping[int, str] = dataclasses.field(default_factory=dict)
     """Cells that are no numbers, by sample."""
     lines: Int[np.ndarray, " samples"] | None = None

@@ -70,7 +70,7 @@ class Proposal:
         return MappingDocument.model_validate(content)
 
     def _run(self, run: ProposedRun) -> dict[str, Any]:
-        logs = {"drive": run.recording.drive, "camera": run.recording.camera}
+        logs = run.recording.logs
         made: dict[str, Any] = {"name": run.name, "kind": run.kind}
         for stream, paths in logs.items():
             if paths:

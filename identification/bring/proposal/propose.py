@@ -22,7 +22,7 @@ from identification.bring.proposal.text import mapping_text
 from identification.bring.runs import runs_of
 from identification.campaign.extend import rig_of_folder
 from identification.campaign.faults import CampaignError, Fault
-from identification.campaign.types import Campaign, Run
+from identification.campaign.types import AccelerometerStream, Campaign, Run
 from identification.doctor.case import rig_of
 from identification.doctor.examine import examine
 from identification.doctor.findings import Finding
@@ -78,10 +78,9 @@ def propose(logs: Mapping[Path, Log], rig: Campaign, *, path: Path) -> Proposal:
     streams = stream_columns(logs)
     if "drive" not in streams:
         raise CampaignError(path, (_no_drive(logs),), what="proposal")
-    drive, camera = streams["drive"], streams.get("camera")
-    made, alone = recordings(
-        drive.logs, camera.logs if camera else (), (), going_on(_times(drive, logs))
-    )
+    drive = streams["drive"]
+    others = (streams[n].logs if n in streams else () for n in ("camera", "accelerometer"))
+    made, alone = recordings(drive.logs, *others, going_on(_times(drive, logs)))
     proposal = Proposal(
         choices=choices(streams),
         overrides=_overrides(streams),
@@ -94,6 +93,16 @@ def propose(logs: Mapping[Path, Log], rig: Campaign, *, path: Path) -> Proposal:
 
 def _no_drive(logs: Mapping[Path, Log]) -> Fault:
     first = next(iter(logs.values()))
+    objects = [c for log in logs.values() for c in log.channels.values() if c.missing]
+    if objects:
+        got, _, remedy = objects[0].missing.partition("|")
+        return Fault(
+            what="what only MATLAB can read",
+            file=str(first.path),
+            got=f"{objects[0].name!r}, {got}",
+            expected="arrays or structures",
+            remedy=remedy,
+        )
     return Fault(
         what="no log has commands and encoders",
         file=str(first.path),
@@ -251,7 +260,13 @@ def _between(run: Run, begin: float, end: float) -> Run:
         camera = dataclasses.replace(
             camera, time=camera.time[frames], position=camera.position[frames]
         )
-    return dataclasses.replace(run, drive=drive, camera=camera)
+    accelerometer = run.accelerometer
+    if accelerometer is not None:
+        rows = (accelerometer.time >= begin) & (accelerometer.time <= end)
+        accelerometer = AccelerometerStream(
+            time=accelerometer.time[rows], along=accelerometer.along[rows]
+        )
+    return dataclasses.replace(run, drive=drive, camera=camera, accelerometer=accelerometer)
 
 
 def _knocks_and_clock(

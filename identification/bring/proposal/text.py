@@ -77,7 +77,7 @@ def _run(proposal: Proposal, run: ProposedRun, path: Path) -> Iterator[str]:
     yield f"kind = {toml_text(run.kind)}  # {_comment(run.why)}"
     if run.pretension:
         yield f"pretension = {toml_text(run.pretension)}  # the log's name says so"
-    logs = {"drive": run.recording.drive, "camera": run.recording.camera}
+    logs = run.recording.logs
     for stream, paths in logs.items():
         if paths:
             yield f"{stream}_log = {_paths(paths, path)}"
@@ -88,6 +88,8 @@ def _run(proposal: Proposal, run: ProposedRun, path: Path) -> Iterator[str]:
         yield "[run.knock]  # where the end-effector is seen to leave its place"
         yield f'start = "{run.knock[0]}"'
         yield f'duration = "{run.knock[1]}"'
+    elif run.kind == KNOCK and run.recording.accelerometer:
+        yield "# No [run.knock]: the accelerometer shows it by itself."
     elif run.kind == KNOCK:
         yield "# No [run.knock]: the logs don't show when it was; state start and duration."
     for stream, paths in logs.items():

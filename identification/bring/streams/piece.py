@@ -2,7 +2,10 @@
 
 import dataclasses
 import difflib
+import math
+import re
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 
 import numpy as np
 from jaxtyping import Float64
@@ -15,7 +18,7 @@ from identification.bring.streams.clocks import Clock
 from identification.bring.streams.numbers import Numbers, numbers
 from identification.bring.streams.stamps import from_numbers, from_texts, since_1970
 from identification.bring.streams.together import Piece, together
-from identification.bring.streams.units import UTC
+from identification.bring.streams.units import UTC, unit_scale
 from identification.campaign.faults import Fault
 from identification.campaign.tables.columns import TIME, Column
 
@@ -102,7 +105,13 @@ def find(log: Log, text: str) -> tuple[Channel | None, str]:
         return named[0], ""
     if named:
         return None, f"{len(named)} channels of this name"
-    return channel_of(text, log.channels)
+    channel, why = channel_of(text, log.channels)
+    if channel is None:
+        stem = re.split(r"[.\[({]", text.strip())[0]
+        objects = [each for each in log.channels.values() if each.missing]
+        inside = (each for each in objects if stem in (each.name, each.name.partition(".")[0]))
+        return next(inside, None), why
+    return channel, why
 
 
 def _channels(
@@ -195,7 +204,19 @@ def stamped(channel: Channel, said: ClockTable) -> tuple[Clock | None, Fault | N
         if result is None:
             return None, fault
         clock = Clock(*from_numbers(result.values))
+        if channel.near is not None and clock.epoch is not None:
+            clock = _near(channel, table)
     return clock, _not_increasing(channel, clock.instants)
+
+
+def _near(channel: Channel, said: ColumnTable) -> Clock:
+    """The clock of stamps that doubles would round: their digits are counted from nearby."""
+    base, rest = channel.near
+    scale = unit_scale(_TIME, said.unit or channel.unit)
+    factor = Fraction(scale.factor) * Fraction(10) ** scale.exponent
+    begin = base * factor * Fraction(said.scale)
+    epoch = math.floor(begin)
+    return Clock(epoch, float(begin - epoch) + scale(rest * said.scale))
 
 
 def _no_times(channel: Channel) -> Fault:

@@ -80,7 +80,7 @@ def together(
 
 
 def without_blanks(piece: Piece) -> Piece:
-    """A camera's columns without the rows of a faster log in which there is no frame.
+    """A camera's columns without the rows of a faster log that are no frame of their own.
 
     Args:
         piece: The columns.
@@ -88,7 +88,14 @@ def without_blanks(piece: Piece) -> Piece:
     Returns:
         The same, or the rows with frames where most have none.
     """
-    blank = np.all([np.isnan(values) for values in piece.columns.values()], axis=0)
+    rows = np.stack(list(piece.columns.values()))
+    blank = np.isnan(rows).all(axis=0)
+    what = "rows without any frame"
+    if blank.mean() <= 0.5:
+        # A faster logger repeats a frame until the next one comes.
+        same = (rows[:, 1:] == rows[:, :-1]) | (np.isnan(rows[:, 1:]) & np.isnan(rows[:, :-1]))
+        blank |= np.r_[False, same.all(axis=0)]
+        what = "rows that repeat a frame"
     if blank.mean() <= 0.5 or (~blank).sum() < 2:
         return piece
     kept = {name: values[~blank] for name, values in piece.columns.items()}
@@ -96,7 +103,7 @@ def without_blanks(piece: Piece) -> Piece:
         piece,
         clock=Clock(piece.clock.epoch, piece.clock.instants[~blank]),
         columns=kept,
-        notes=(*piece.notes, f"{int(blank.sum())} rows without any frame left out"),
+        notes=(*piece.notes, f"{int(blank.sum())} {what} left out"),
     )
 
 

@@ -19,6 +19,8 @@ ANSWERS = {
     'clock_offset = "unknown"': 'clock_offset = "0 s"',
 }
 """What no log says: three lines at most."""
+HEIGHT = 1.112
+"""Of the frame [m], as the robot states it where nobody does."""
 SOME = (0, 2, 4, 6, 10, 12)
 """Runs of every kind."""
 
@@ -63,6 +65,61 @@ def test_a_campaign_of_any_style_is_proposed_as_it_was(kind, tmp_path):
     worst = log_styles.differences(campaign, dataclasses.replace(found, runs=renamed))
     # Tens of radians and metres through two changes of unit: a few roundings.
     assert max(worst.values()) < 1e-12
+
+
+def slipped(run, slip):
+    """A run as it was logged with a slip of the lab's."""
+    drive, camera = run.drive, run.camera
+    if slip == "motors exchanged":
+        drive = dataclasses.replace(
+            drive, voltage=drive.voltage[:, ::-1], angle=drive.angle[:, ::-1]
+        )
+    elif slip == "encoder reversed":
+        drive = dataclasses.replace(drive, angle=drive.angle * [-1, 1])
+    elif camera is not None:
+        position = camera.position.copy()
+        position[:, 4] = HEIGHT - position[:, 4]
+        camera = dataclasses.replace(camera, position=position)
+    return dataclasses.replace(run, drive=drive, camera=camera)
+
+
+@pytest.mark.skipif(not SHARED.exists(), reason="the shared campaigns aren't there")
+@pytest.mark.parametrize("slip", ["motors exchanged", "encoder reversed", "y downwards"])
+def test_slips_of_plugs_and_signs_are_put_right_in_the_mapping(slip, tmp_path):
+    random = np.random.default_rng(len(slip))
+    style, campaign = log_styles.draw_style("utf-16", random), read_campaign(SHARED)
+    campaign = campaign.with_runs([campaign.runs[k].name for k in SOME])
+    counts = campaign.counts_per_rev
+    files = [
+        log
+        for k, run in enumerate(slipped(run, slip) for run in campaign.runs)
+        for log in log_styles.write_run(tmp_path, run, style, random, counts, f"log{k:03d}")
+    ]
+    found = proposed(tmp_path, files)
+    names = {a.name: b.name for a, b in zip(found.runs, campaign.runs, strict=True)}
+    renamed = tuple(dataclasses.replace(run, name=names[run.name]) for run in found.runs)
+    worst = log_styles.differences(campaign, dataclasses.replace(found, runs=renamed))
+    assert max(worst.values()) < 1e-12
+
+
+def test_frames_in_the_drives_own_log_are_frames(tmp_path):
+    made = knock_recording.recording(9, knocks=2)
+    drive, camera = made.whole.drive, made.whole.camera
+    rows = dict(zip(np.searchsorted(drive.time, camera.time).tolist(), camera.position.tolist(),
+                    strict=True))  # fmt: skip
+    frame, lines = [""] * 5, []
+    for k, time in enumerate(drive.time):
+        frame = [repr(cell) for cell in rows[k]] if k in rows else frame
+        own = [repr(float(each)) for each in (time, *drive.voltage[k], *drive.angle[k])]
+        lines.append(";".join([*own, *frame]))
+    header = (
+        "t [s];u1 [V];u2 [V];enc1 [rad];enc2 [rad];x_e [m];delta_e [rad];q3 [m];q4 [m];y_e [m]"
+    )
+    (tmp_path / "all.csv").write_text("\n".join([header, *lines]) + "\n")
+    found = proposed(tmp_path, [tmp_path / "all.csv"])
+    frames = sum(len(run.camera.time) for run in found.runs)
+    assert abs(frames - len(camera.time)) <= 2
+    np.testing.assert_array_equal(found.runs[0].camera.position[0], camera.position[0])
 
 
 def test_many_knocks_in_one_recording_are_as_many_runs_with_the_same_frequencies(tmp_path):

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,8 @@ _UNIT = re.compile(
     r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\)|<(?P<angle>[^<>]*)>)"
 )
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", "|": "bars", " ": "blanks"}
+_LARGE = 1e8
+"""Numbers from which on a double rounds the eighth digit behind the point."""
 _LARGEST = 2**31
 """The largest text that is read [bytes]."""
 
@@ -89,6 +92,7 @@ def _channels(found: Layout, rows: Sequence[tuple[int, tuple[str, ...]]]) -> dic
         channels[name] = Channel(
             name=name,
             values=values,
+            near=_near(cells, values, found.decimal),
             unit=unit or unit_in(header),
             odd=odd,
             lines=lines,
@@ -155,6 +159,19 @@ def _plain(cells: Sequence[str], decimal: str) -> np.ndarray | None:
         return np.array([float(cell) for cell in cells])
     except ValueError:
         return None
+
+
+def _near(
+    cells: Sequence[str], values: np.ndarray, decimal: str
+) -> tuple[int, np.ndarray] | None:
+    """Large numbers with digits that doubles haven't: stamps in seconds since 1970."""
+    if values.dtype.kind != "f" or not np.isfinite(values).all() or abs(values[0]) < _LARGE:
+        return None
+    if not any(decimal in cell for cell in cells[:20]):
+        return None
+    base = int(values[0])
+    rest = [float(Decimal(cell.replace(decimal, ".")) - base) for cell in cells]
+    return base, np.array(rest)
 
 
 def _told(found: Layout, encoding: str, footer: int) -> str:

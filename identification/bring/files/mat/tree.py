@@ -35,8 +35,11 @@ def _walk(path: str, value: Any, label: str, unit: str) -> Iterator[Channel]:
     """The channels of a value and of what it holds."""
     kind = class_of(value)
     if kind:
+        path = _name_of(value) or path
         yield Channel(name=path, values=np.zeros(0), missing=way_out(path, kind))
         return
+    if not isinstance(value, np.ndarray | np.void):
+        return  # a sparse matrix, or nothing at all: no log is one
     array = np.asarray(value)
     if array.dtype.names:
         for place, record in _items(path, array):
@@ -69,6 +72,11 @@ def class_of(value: Any) -> str:
         record = np.asarray(value).ravel()[0]
         return _text(record["s2"])
     return ""
+
+
+def _name_of(value: Any) -> str:
+    """The variable that an object is: SciPy keeps it under another name."""
+    return _text(np.asarray(value).ravel()[0]["s0"])
 
 
 def _items(path: str, array: np.ndarray) -> Iterator[tuple[str, Any]]:

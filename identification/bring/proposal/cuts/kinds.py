@@ -36,6 +36,8 @@ def kind_of(run: Run, rig: Rig, named: str) -> tuple[str, str]:
         if knocked(record, rig) or moved.after + late < commanded:
             return "pseudo_impulse", "the end-effector moves before anything is commanded"
     driven = np.abs(run.drive.voltage).max() > 0.005 * rig.voltage_limit
+    if not driven and run.accelerometer is not None and not filmed:
+        return "pseudo_impulse", "nothing is commanded, and an accelerometer listens"
     if not driven:
         if not filmed and np.ptp(run.drive.angle, axis=0).max() > 0:
             return "pseudo_impulse", "an encoder moves, and nothing is commanded"

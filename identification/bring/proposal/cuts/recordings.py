@@ -74,6 +74,15 @@ class Recording:
     """What their names say of the run."""
 
     @property
+    def logs(self) -> dict[str, tuple[Path, ...]]:
+        """The logs by stream."""
+        return {
+            "drive": self.drive,
+            "camera": self.camera,
+            "accelerometer": self.accelerometer,
+        }
+
+    @property
     def kind(self) -> str:
         """The kind that their names say, empty where they say none."""
         if {"motor", "step"} <= set(self.words) or "motorstep" in self.words:

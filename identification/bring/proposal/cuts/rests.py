@@ -13,7 +13,7 @@ import numpy as np
 import scipy.ndimage
 from jaxtyping import Bool, Float64
 
-from identification.campaign.types import Run
+from identification.campaign.types import AccelerometerStream, Run
 
 HALF = 0.1
 """Half the time over which a range is taken [s]."""
@@ -156,6 +156,8 @@ def _motion(run: Run) -> Float64[np.ndarray, " rows"]:
     noise = 1.5 * np.quantile(steps, 0.5, axis=0)
     unit = np.maximum(np.maximum(3.5 * resolution, 8 * noise), 1e-9)
     motion = MOVES * (_ranges(angle, _half(run)) / unit).max(axis=1)
+    if run.accelerometer is not None:
+        motion = np.maximum(motion, _shaken(run.accelerometer, run.drive.time))
     if run.camera is None:
         return motion
     frames = run.camera.time - (run.clock_offset or 0.0)
@@ -165,6 +167,28 @@ def _motion(run: Run) -> Float64[np.ndarray, " rows"]:
     within = (run.drive.time >= frames[0] - half) & (run.drive.time <= frames[-1] + half)
     # Where a camera looks on, an encoder's few counts are no motion of their own.
     return np.maximum(np.where(within, 0.5, 1.0) * motion, np.where(within, seen[place], 0.0))
+
+
+def _shaken(
+    stream: AccelerometerStream, time: Float64[np.ndarray, " rows"]
+) -> Float64[np.ndarray, " rows"]:
+    """An accelerometer's scatter over that at rest [1], at the drive's instants."""
+    size = max(3, round(2 * HALF / float(np.median(np.diff(stream.time)))))
+    if len(stream.time) < 3 * size:
+        return np.zeros(len(time))
+    return np.interp(time, stream.time, _over_rest(stream.along, size, 1e-3), left=0, right=0)
+
+
+def _over_rest(
+    values: Float64[np.ndarray, " samples"], size: int, least: float
+) -> Float64[np.ndarray, " samples"]:
+    """The scatter about each sample over that at rest [1]."""
+    values = values - np.median(values)
+    mean = scipy.ndimage.uniform_filter1d(values, size, mode="nearest")
+    square = scipy.ndimage.uniform_filter1d(values**2, size, mode="nearest")
+    scatter = np.sqrt(np.maximum(square - mean**2, 0.0))
+    # A tenth of the samples at rest are enough to tell the noise.
+    return scatter / max(float(np.quantile(scatter, 0.1)), least)
 
 
 def _smallest(steps: Float64[np.ndarray, " rows"]) -> float:
@@ -183,11 +207,5 @@ def _camera_motion(position: Float64[np.ndarray, "frames 4"]) -> Float64[np.ndar
         if seen.sum() < 3 * FRAMES:
             continue
         filled = np.interp(np.arange(len(column)), np.flatnonzero(seen), column[seen])
-        filled = filled - np.median(filled)
-        mean = scipy.ndimage.uniform_filter1d(filled, FRAMES, mode="nearest")
-        square = scipy.ndimage.uniform_filter1d(filled**2, FRAMES, mode="nearest")
-        scatter = np.sqrt(np.maximum(square - mean**2, 0.0))
-        # A tenth of the frames at rest are enough to tell the noise.
-        still = float(np.quantile(scatter, 0.1))
-        motion = np.maximum(motion, scatter / max(still, 1e-5))
+        motion = np.maximum(motion, _over_rest(filled, FRAMES, 1e-5))
     return motion

@@ -9,19 +9,27 @@ import numpy as np
 from identification.bring.files.channel import Log
 from identification.bring.proposal.choice import Choice
 from identification.bring.proposal.look import raw
-from identification.bring.proposal.look.codes import CODES
 from identification.bring.proposal.look.layouts import Layout, layouts
 from identification.bring.proposal.look.roles import OPTIONAL, Role, roles
 from identification.bring.proposal.look.signals import Signal, signals
 from identification.bring.proposal.look.unnamed import camera_order, unnamed_camera
 
-DRIVE = ("t", "voltage_1", "voltage_2", "alpha_1", "alpha_2", *OPTIONAL)
+DRIVE = ("t", "voltage_1", "voltage_2", "alpha_1", "alpha_2", *OPTIONAL[:5])
 """Columns of the drive's stream."""
 CAMERA = ("t", "x_e", "y_e", "delta_e", "q_3", "q_4")
 """Columns of the camera's."""
-NEEDED: Mapping[str, tuple[tuple[str, ...], int]] = {
+ACCELEROMETER = ("t", "a_x", "a_y", "a_z")
+"""Columns of the accelerometer's."""
+COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "drive": DRIVE,
+    "camera": CAMERA,
+    "accelerometer": ACCELEROMETER,
+}
+"""Columns of each stream."""
+LEAST: Mapping[str, tuple[tuple[str, ...], int]] = {
     "drive": (DRIVE[1:5], 3),
     "camera": (CAMERA[1:], 3),
+    "accelerometer": (ACCELEROMETER[1:], 1),
 }
 """Columns that make a stream, and how many of them at least."""
 
@@ -83,10 +91,8 @@ def _streams(layout: Layout, logs: Mapping[Path, Log]) -> dict[str, dict[str, Ro
             for k, name in zip(unnamed, names, strict=True):
                 why = "by how it moves with the others; its name doesn't say"
                 given[name] = Role(signal=group.signals[k], looks=group.looks[k], why=why)
-        for stream, (names, least) in NEEDED.items():
-            own = {
-                n: r for n, r in given.items() if n in (DRIVE if stream == "drive" else CAMERA)
-            }
+        for stream, (names, least) in LEAST.items():
+            own = {n: r for n, r in given.items() if n in COLUMNS[stream]}
             if sum(name in own for name in names) >= least and stream not in made:
                 made[stream] = own
     return made
@@ -122,8 +128,7 @@ def choices(streams: Mapping[str, StreamColumns]) -> dict[str, dict[str, Choice]
     """
     made = {}
     for stream, columns in streams.items():
-        names = DRIVE if stream == "drive" else CAMERA
-        made[stream] = _stream(stream, columns, names)
+        made[stream] = _stream(stream, columns, COLUMNS[stream])
     return made
 
 
@@ -142,7 +147,7 @@ def _stream(stream: str, columns: StreamColumns, names: Sequence[str]) -> dict[s
         unit, why = raw.length_unit([columns.values[name] for name in lengths])
         made |= _with_unit(made, lengths, unit, why)
     if stream == "camera" and "delta_e" in columns.given:
-        unit, why = raw.rotation_unit(_seen(columns.values["delta_e"]))
+        unit, why = raw.rotation_unit(columns.values["delta_e"])
         made |= _with_unit(made, ["delta_e"], unit, why)
     if stream == "drive":
         volts = [name for name in ("voltage_1", "voltage_2") if name in columns.given]
@@ -159,10 +164,6 @@ def _with_unit(
         for name in names
         if not made[name].unit
     }
-
-
-def _seen(columns: Sequence[np.ndarray]) -> list[np.ndarray]:
-    return [column[~np.isin(column, CODES)] for column in columns]
 
 
 def _choice(stream: str, name: str, role: Role, columns: StreamColumns) -> Choice:

@@ -69,13 +69,23 @@ def voltage_unit(columns: Sequence[Columns]) -> tuple[str, str]:
 def _by_size(
     columns: Sequence[Columns], known: Sequence[tuple[str, float, float]], what: str
 ) -> tuple[str, str]:
-    # Codes of lost markers are far out; a few of them are in the last per cent.
-    size = max(float(np.nanquantile(np.abs(log), 0.98)) for column in columns for log in column)
+    size = max(_size(log) for column in columns for log in column)
     fitting = [unit for unit, low, high in known if low <= size < high]
     unit = fitting[0] if len(fitting) == 1 else ""
     if size == 0:
         return known[0][0], f"{what} of zero throughout, which any unit is"
     return unit, f"{what} up to {size:.4g}"
+
+
+def _seen(column: Float64[np.ndarray, " _"]) -> Float64[np.ndarray, " seen"]:
+    """Numbers that are there and mean nothing else."""
+    return column[np.isfinite(column) & ~np.isin(column, CODES)]
+
+
+def _size(column: Float64[np.ndarray, " _"], share: float = 0.98) -> float:
+    """How large a column's numbers are, but for a few; 0 of nothing."""
+    seen = np.abs(_seen(column))
+    return float(np.quantile(seen, share)) if seen.size else 0.0
 
 
 def rotation_unit(columns: Columns) -> tuple[str, str]:
@@ -87,8 +97,8 @@ def rotation_unit(columns: Columns) -> tuple[str, str]:
     Returns:
         The unit, and why: a camera's noise is 2 mrad or 0.1 degrees.
     """
-    noise = float(np.median([np.nanmedian(np.abs(np.diff(column))) for column in columns]))
-    size = max(float(np.nanquantile(np.abs(column), 0.98)) for column in columns)
+    noise = float(np.median([_size(np.diff(_seen(column)), 0.5) for column in columns]))
+    size = max(map(_size, columns))
     if size < 0.6 and noise < 0.02:
         return "rad", f"angles up to {size:.3g} with a noise of {noise:.2g}"
     if size > 1.2 or noise > 0.03:

@@ -22,8 +22,8 @@ from identification.bring.proposal.look.words import (
     tokens,
 )
 from identification.bring.streams.units import unit_scale
+from identification.campaign.tables.columns import ACCELEROMETER, Column, drive_columns
 from identification.campaign.tables.columns import CAMERA as CAMERA_COLUMNS
-from identification.campaign.tables.columns import Column, drive_columns
 
 SLOTS: tuple[tuple[str, str], ...] = (
     ("voltage_1", "voltage"),
@@ -40,11 +40,14 @@ SLOTS: tuple[tuple[str, str], ...] = (
     ("delta_e", "delta_e"),
     ("q_3", "carriage"),
     ("q_4", "carriage"),
+    ("a_x", "accelerometer"),
+    ("a_y", "accelerometer"),
+    ("a_z", "accelerometer"),
 )
 """Columns that are given out, each with its concept."""
 PAIRS = (("voltage_1", "voltage_2"), ("alpha_1", "alpha_2"), ("current_1", "current_2"))
 """Columns of drive 1 and drive 2."""
-OPTIONAL = ("current_1", "current_2", "tension", "x_ref", "y_ref")
+OPTIONAL = ("current_1", "current_2", "tension", "x_ref", "y_ref", "a_y", "a_z")
 """Columns that need not be there: a name has to say them."""
 ENOUGH = 2.0
 """Score from which on a column is given a place [1]."""
@@ -133,7 +136,9 @@ def _fits(unit: str, column: Column) -> int | None:
     return 1 if unit_scale(column, unit) is not None else -1
 
 
-_KNOWN = {column.name: column for column in (*drive_columns(1.0), *CAMERA_COLUMNS)}
+_KNOWN = {
+    column.name: column for column in (*drive_columns(1.0), *CAMERA_COLUMNS, *ACCELEROMETER)
+}
 
 
 def _score(group: Group, k: int, slot: tuple[str, str]) -> float:
@@ -143,6 +148,8 @@ def _score(group: Group, k: int, slot: tuple[str, str]) -> float:
     if fits == -1:
         return FAR
     named = says(signal.words, concept)
+    if concept == "accelerometer":
+        return _accelerometer_score(signal, name, named, fits)
     if name in OPTIONAL:
         return named + 1.0 * (fits or 0) if named >= 1.5 else FAR
     score = named + 2.0 * (fits or 0)
@@ -159,6 +166,16 @@ def _score(group: Group, k: int, slot: tuple[str, str]) -> float:
         score += 2.5 * seen.whole * (seen.starts_still > 0.5) + 1.0 * (seen.jump < 0.1)
         score += 0.5 * (seen.starts_still > 0.5)
     return score
+
+
+def _accelerometer_score(signal: Signal, name: str, named: float, fits: int | None) -> float:
+    """What of a column's name and unit fits an axis of an accelerometer."""
+    words = set(tokens(signal.words))
+    if named < 1.5 and not fits:
+        return FAR
+    axis = name[-1]
+    others = words & ({"x", "y", "z"} - {axis})
+    return named + 3.0 * (fits or 0) + 1.5 * (axis in words) - 4.0 * bool(others)
 
 
 def _camera_score(signal: Signal, seen: Looks, name: str) -> float:
