@@ -62,6 +62,8 @@ def _scale(choices: Choices, name: str, factor: float, why: str) -> bool:
     if home is None or name not in home:
         return False
     choice = home[name]
+    if not choice.unit and factor != -1:
+        return False  # of a unit that nothing tells, a factor tells nothing
     if factor == -1:
         home[name] = choice.because(why, sign=-choice.sign)
     elif (unit := _other_unit(name, choice.unit, factor)) is not None:

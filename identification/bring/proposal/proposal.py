@@ -11,6 +11,8 @@ from identification.bring.proposal.cuts.recordings import Recording
 from identification.bring.proposal.cuts.rests import Part
 from identification.bring.proposal.mends import Choices
 
+_SI = {"voltage_": "V", "alpha_": "rad"}
+"""Units that a drive's columns are looked at in where nothing tells them."""
 KNOCK = "pseudo_impulse"
 """Kind of the runs with a knock."""
 
@@ -63,7 +65,11 @@ class Proposal:
         content: dict[str, Any] = {"defaults": {"pretension": "1 N"}, "run": []}
         for stream, columns in self.choices.items():
             if columns:
-                tables = {name: each.table() for name, each in columns.items() if each.channel}
+                tables = {
+                    name: _filled(name, each).table()
+                    for name, each in columns.items()
+                    if each.channel
+                }
                 content[stream] = {"columns": tables}
         for run in self.runs:
             content["run"].append(self._run(run))
@@ -85,3 +91,10 @@ class Proposal:
         if self.clock_offset[0] != "unknown":
             made["camera"] = {"clock_offset": self.clock_offset[0]}
         return made
+
+
+def _filled(name: str, choice: Choice) -> Choice:
+    """A choice whose unit nothing tells, in SI: enough to see when it moves."""
+    if choice.unit or name == "t":
+        return choice
+    return dataclasses.replace(choice, unit=_SI.get(name[:-1], ""))
