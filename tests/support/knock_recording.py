@@ -41,7 +41,8 @@ def recording(seed, knocks=40, rate=1000.0, frames=30.0):
         x += ring(stamps - start[k], size[k], frequency[k], ratio[k])
         push = ring(time - start[k], size[k] / 40, frequency[k], 4 * ratio[k])
         angle += np.stack([push, push], axis=1) / 0.073
-    x_e, y_e = q + x, 0.55
+    # At rest on the line between the carriages.
+    x_e, y_e = q + 0.005 * 0.55 / 1.112 + x, 0.55
     position = np.stack([x_e, x / 0.6, q + 0 * x, q + 0.005 + 0 * x, y_e + 0 * x], axis=1)
     sigma = np.array([1.9e-4, 2e-3, 1.9e-4, 1.9e-4, 1.9e-4])
     position += sigma * random.normal(size=position.shape)

@@ -23,6 +23,8 @@ from identification.campaign.types import Campaign
 
 REST = 6
 """Frames at a log's begin in which the robot rests: 0.2 s."""
+SHAKEN = 4.0
+"""Times what the carriages move from frame to frame that a knocked end-effector does [1]."""
 METRES = {"m": 1.0, "cm": 100.0, "mm": 1000.0}
 """How many of a unit a metre is."""
 
@@ -76,9 +78,21 @@ def camera_order(columns: Sequence[Sequence[np.ndarray]]) -> list[str]:
         body, lower, upper = middles[list(order)]
         return float(np.nanmedian(np.abs(body - lower - (upper - lower) * share)))
 
-    body, lower, upper = min(itertools.permutations(k for k in rest if k != height), key=off)
+    three = [k for k in rest if k != height]
+    shaken = sorted(three, key=lambda k: -_shaking(columns[k]))
+    orders = itertools.permutations(three)
+    if _shaking(columns[shaken[0]]) > SHAKEN * _shaking(columns[shaken[1]]):
+        # A knock shakes the end-effector, and hardly its carriages.
+        orders = (order for order in orders if order[0] == shaken[0])
+    body, lower, upper = min(orders, key=off)
     names = {turn: "delta_e", height: "y_e", body: "x_e", lower: "q_3", upper: "q_4"}
     return [names[k] for k in range(5)]
+
+
+def _shaking(column: Sequence[np.ndarray]) -> float:
+    """How far a column moves from frame to frame, in the log in which it does most."""
+    steps = [np.diff(log[np.isfinite(log) & ~np.isin(log, CODES)]) for log in column]
+    return max((float(np.sqrt(np.mean(s**2))) for s in steps if s.size), default=0.0)
 
 
 def _middle(values: np.ndarray) -> float:
