@@ -15,6 +15,7 @@ VERBS: dict[str, dict[str, str]] = {
     "identification": {
         "identify": "the robot's parameters with their uncertainty: parameters.json",
         "identify-drive": "one motor-driven axis: inertia, friction, offset from a log",
+        "import": "logs of any make as runs of format 1, as a mapping says; or its proposal",
         "frequencies": "natural frequency and damping of every knock: frequencies.csv",
         "design": "which experiment next: the run that narrows an interval the most a second",
     },
@@ -67,10 +68,11 @@ def main(arguments: list[str] | None = None) -> int:
         )
         return BAD_INPUT
     import importlib
+    import keyword
 
     import tyro
 
-    name = verb.replace("-", "_")
+    name = verb.replace("-", "_") + "_" * keyword.iskeyword(verb)
     chosen = getattr(importlib.import_module(f"experiments.verbs.{wings[verb]}.{name}"), name)
     try:
         return tyro.cli(chosen, args=rest, prog=f"scdpr {verb}")

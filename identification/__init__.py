@@ -15,7 +15,8 @@ __getattr__, __dir__ = _front_door(
             "AxisLog",
             "read_axis_log",
         ),
-        "identification.bring.importers": ("import_drive_stream",),
+        "identification.bring.campaign_import": ("import_campaign",),
+        "identification.bring.drive_log": ("import_drive_stream",),
         "identification.campaign": (
             "Campaign",
             "CampaignError",

@@ -8,6 +8,7 @@ from identification.campaign.faults import Fault as Fault
 from identification.campaign.notes.note import Note as Note
 from identification.campaign.read import read_campaign as read_campaign
 from identification.campaign.types import KINDS as KINDS
+from identification.campaign.types import AccelerometerStream as AccelerometerStream
 from identification.campaign.types import CameraStream as CameraStream
 from identification.campaign.types import Campaign as Campaign
 from identification.campaign.types import DriveStream as DriveStream

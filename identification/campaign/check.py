@@ -9,7 +9,7 @@ from identification.campaign.notes.camera import CAMERA_OBSERVATIONS
 from identification.campaign.notes.drive import DRIVE_OBSERVATIONS
 from identification.campaign.notes.note import Note
 from identification.campaign.read import RunReading, survey
-from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
+from identification.campaign.streams import ACCELEROMETER_FILE, CAMERA_FILE, DRIVE_FILE
 from identification.campaign.types import Campaign, Run
 from scdpr_jax.robot.stated.units import si
 
@@ -94,7 +94,12 @@ def campaign_notes(campaign: Campaign) -> tuple[Note, ...]:
 
 def _run_notes(run: Run, campaign: Campaign) -> Iterator[tuple[str, Note]]:
     """A run's notes with the files that they are about."""
-    for file, stream in ((DRIVE_FILE, run.drive), (CAMERA_FILE, run.camera)):
+    streams = (
+        (DRIVE_FILE, run.drive),
+        (CAMERA_FILE, run.camera),
+        (ACCELEROMETER_FILE, run.accelerometer),
+    )
+    for file, stream in streams:
         if stream is not None and stream.extra:
             yield file, _extra_columns(stream.extra)
     of_camera = () if run.camera is None else CAMERA_OBSERVATIONS

@@ -54,12 +54,26 @@ class Fault:
 class CampaignError(ValueError):
     """A campaign that can't be used as it is, with all its faults."""
 
-    def __init__(self, path: object, faults: tuple[Fault, ...]):
+    def __init__(self, path: object, faults: tuple[Fault, ...], *, what: str = "campaign"):
         self.faults = faults
         """Every fault that was found."""
         number = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        lines = [f"campaign {path}: {number}.", *(f"  {fault}" for fault in faults)]
-        super().__init__("\n".join(lines))
+        lines = [f"{what} {path}: {number}.", *(f"  {fault}" for fault in faults)]
+        super().__init__("\n".join(map(printable, lines)))
+
+
+def printable(text: str) -> str:
+    """A line as a terminal may show it: what would move its cursor is written out.
+
+    Args:
+        text: The line, with names from wherever.
+
+    Returns:
+        The same without control characters and lone surrogates.
+    """
+    return "".join(
+        mark if mark.isprintable() else mark.encode("unicode_escape").decode() for mark in text
+    )
 
 
 def listed(faults: Iterable[Fault], *, file: str) -> tuple[Fault, ...]:

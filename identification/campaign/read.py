@@ -6,7 +6,12 @@ from pathlib import Path
 from identification.campaign.faults import CampaignError, Fault
 from identification.campaign.quantities import format_quantity
 from identification.campaign.schema import CampaignDocument, RunDocument, read_model
-from identification.campaign.streams import DRIVE_FILE, read_camera, read_drive
+from identification.campaign.streams import (
+    DRIVE_FILE,
+    read_accelerometer,
+    read_camera,
+    read_drive,
+)
 from identification.campaign.tables.document import row_of
 from identification.campaign.tables.text_file import read_text
 from identification.campaign.types import (
@@ -97,7 +102,7 @@ def survey(path: str | Path) -> Reading:
     if not runs:
         faults = (*faults, _no_runs(folder))
     good = tuple(reading.run for reading in runs if reading.run is not None)
-    campaign = None if document is None else _campaign(document, folder, good)
+    campaign = None if document is None else campaign_of(document, folder, good)
     return Reading(faults, campaign, runs)
 
 
@@ -128,7 +133,30 @@ def _no_runs(folder: Path) -> Fault:
     )
 
 
-def _campaign(document: CampaignDocument, folder: Path, runs: tuple[Run, ...]) -> Campaign:
+def read_rig(folder: Path) -> tuple[Campaign | None, tuple[Fault, ...]]:
+    """What a campaign's folder states of its rig.
+
+    Args:
+        folder: The folder.
+
+    Returns:
+        The campaign without runs, None if `campaign.toml` is at fault; and the faults.
+    """
+    document, faults = read_model(folder / CAMPAIGN_FILE, CampaignDocument, file=CAMPAIGN_FILE)
+    return (None if document is None else campaign_of(document, folder, ())), faults
+
+
+def campaign_of(document: CampaignDocument, folder: Path, runs: tuple[Run, ...]) -> Campaign:
+    """A campaign of what its document states, and of its runs.
+
+    Args:
+        document: What stands in `campaign.toml`.
+        folder: The campaign's folder, whose name it has if it isn't stated.
+        runs: The runs.
+
+    Returns:
+        The campaign.
+    """
     sensors = default_sensors(document.counts_per_rev)
     return Campaign(
         name=document.name or folder.resolve().name,
@@ -145,7 +173,8 @@ def _read_run(folder: Path, *, counts_per_rev: float | None) -> RunReading:
     )
     drive, drive_faults = read_drive(folder, counts_per_rev=counts_per_rev)
     camera, camera_faults = read_camera(folder)
-    faults = (*faults, *drive_faults, *camera_faults)
+    accelerometer, accelerometer_faults = read_accelerometer(folder)
+    faults = (*faults, *drive_faults, *camera_faults, *accelerometer_faults)
     if document is not None:
         faults = (*faults, *_knock_faults(document, drive, folder))
     if faults or document is None or drive is None:
@@ -162,6 +191,7 @@ def _read_run(folder: Path, *, counts_per_rev: float | None) -> RunReading:
         clock_offset=document.camera.clock_offset,
         drive=drive,
         camera=camera,
+        accelerometer=accelerometer,
     )
     return RunReading(folder.name, run, ())
 

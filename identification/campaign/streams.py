@@ -7,15 +7,17 @@ import numpy as np
 from jaxtyping import Float64, Shaped
 
 from identification.campaign.faults import Fault
-from identification.campaign.tables.columns import CAMERA, drive_columns
+from identification.campaign.tables.columns import ACCELEROMETER, CAMERA, drive_columns
 from identification.campaign.tables.table import read_table
-from identification.campaign.types import CameraStream, DriveStream
+from identification.campaign.types import AccelerometerStream, CameraStream, DriveStream
 
 DRIVE_FILE = "drive.csv"
 """Name of the controller's stream."""
 CAMERA_FILE = "camera.csv"
 """Name of the vision system's stream."""
 
+ACCELEROMETER_FILE = "accelerometer.csv"
+"""Name of the accelerometer's stream."""
 
 DRIVE_FIELDS: dict[str, tuple[str, ...]] = {
     "time": ("t",),
@@ -67,6 +69,46 @@ def read_camera(folder: Path) -> tuple[CameraStream | None, tuple[Fault, ...]]:
         return None, faults
     position = np.stack([table.values[name] for name in POSITIONS], axis=-1)
     return CameraStream(time=table.values["t"], position=position, extra=table.extra), ()
+
+
+def read_accelerometer(
+    folder: Path,
+) -> tuple[AccelerometerStream | None, tuple[Fault, ...]]:
+    """The accelerometer's stream of a run.
+
+    Args:
+        folder: The run's folder.
+
+    Returns:
+        The stream, None if there is no such file or there are faults; and the faults.
+    """
+    path = folder / ACCELEROMETER_FILE
+    if not path.exists():
+        return None, ()
+    table, faults = read_table(path, ACCELEROMETER, file=f"{folder.name}/{ACCELEROMETER_FILE}")
+    return (None if table is None else accelerometer_stream(table.values, table.extra)), faults
+
+
+def accelerometer_stream(
+    values: Mapping[str, Float64[np.ndarray, " rows"]],
+    extra: Mapping[str, Shaped[np.ndarray, " rows"]],
+) -> AccelerometerStream:
+    """The accelerometer's stream of its columns.
+
+    Args:
+        values: Columns by their names in the format [SI].
+        extra: Other columns by header.
+
+    Returns:
+        The stream.
+    """
+    return AccelerometerStream(
+        time=values["t"],
+        along=values["a_x"],
+        upwards=values.get("a_y"),
+        across=values.get("a_z"),
+        extra=dict(extra),
+    )
 
 
 def drive_stream(

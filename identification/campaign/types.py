@@ -70,6 +70,26 @@ class CameraStream:
         return self.position[:, [0, 4]]
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class AccelerometerStream:
+    """The stream of an accelerometer on the end-effector, on its own clock."""
+
+    time: Float64[np.ndarray, " rows"] = dataclasses.field(metadata=si("s", "t"))
+    """Time [s], strictly increasing."""
+    along: Float64[np.ndarray, " rows"] = dataclasses.field(metadata=si("m/s^2", "a_x"))
+    """Acceleration along the guides [m/s²], from any zero: gravity may be in it."""
+    upwards: Float64[np.ndarray, " rows"] | None = dataclasses.field(
+        default=None, metadata=si("m/s^2", "a_y")
+    )
+    """Acceleration upwards [m/s²]."""
+    across: Float64[np.ndarray, " rows"] | None = dataclasses.field(
+        default=None, metadata=si("m/s^2", "a_z")
+    )
+    """Acceleration towards the camera [m/s²]."""
+    extra: dict[str, Shaped[np.ndarray, " rows"]] = dataclasses.field(default_factory=dict)
+    """Columns that the format doesn't know, by header, in their own units; text as text."""
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Initial:
     """Where the operator put the end-effector before the run."""
@@ -108,6 +128,8 @@ class Run:
     """The controller's stream."""
     camera: CameraStream | None = None
     """The vision system's stream, None without one."""
+    accelerometer: AccelerometerStream | None = None
+    """The accelerometer's stream, None without one."""
     notes: str = ""
     """The operator's notes."""
     initial: Initial | None = None

@@ -15,10 +15,16 @@ from jaxtyping import Float64, Shaped
 from identification.campaign.faults import CampaignError
 from identification.campaign.quantities import format_quantity
 from identification.campaign.read import CAMPAIGN_FILE, RUN_FILE, survey
-from identification.campaign.streams import CAMERA_FILE, DRIVE_FIELDS, DRIVE_FILE
+from identification.campaign.streams import (
+    ACCELEROMETER_FILE,
+    CAMERA_FILE,
+    DRIVE_FIELDS,
+    DRIVE_FILE,
+)
 from identification.campaign.tables.columns import drive_columns
 from identification.campaign.tables.document import FORMAT
 from identification.campaign.types import (
+    AccelerometerStream,
     CameraStream,
     Campaign,
     DriveStream,
@@ -49,7 +55,7 @@ def write_campaign(campaign: Campaign, path: str | Path) -> None:
     target = Path(path)
     _check_free(target)
     for run in campaign.runs:
-        _check_name(run.name)
+        check_name(run.name)
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.parent) as scratch:
         draft = Path(scratch) / "draft"
@@ -71,7 +77,15 @@ def _check_free(target: Path) -> None:
         )
 
 
-def _check_name(name: str) -> None:
+def check_name(name: str) -> None:
+    """Refuse the name of a run that can't be that of a folder.
+
+    Args:
+        name: The name.
+
+    Raises:
+        ValueError: If it can't.
+    """
     if not name or name.startswith(".") or any(mark in name for mark in "/\\:\0"):
         raise ValueError(
             f"run {name!r}: the name can't be that of a folder, expected one without "
@@ -82,6 +96,16 @@ def _check_name(name: str) -> None:
 def _write_files(campaign: Campaign, folder: Path) -> None:
     folder.mkdir()
     _write_text(folder / CAMPAIGN_FILE, _campaign_document(campaign))
+    write_runs(campaign, folder)
+
+
+def write_runs(campaign: Campaign, folder: Path) -> None:
+    """Write a campaign's runs.
+
+    Args:
+        campaign: The campaign.
+        folder: The folder that gets one for each run.
+    """
     for run in campaign.runs:
         place = folder / run.name
         place.mkdir()
@@ -89,6 +113,9 @@ def _write_files(campaign: Campaign, folder: Path) -> None:
         _write_csv(place / DRIVE_FILE, _drive_columns(run.drive, campaign.counts_per_rev))
         if run.camera is not None:
             _write_csv(place / CAMERA_FILE, _camera_columns(run.camera))
+        if run.accelerometer is not None:
+            columns = _accelerometer_columns(run.accelerometer)
+            _write_csv(place / ACCELEROMETER_FILE, columns)
 
 
 def _write_text(path: Path, lines: Iterable[str]) -> None:
@@ -96,7 +123,7 @@ def _write_text(path: Path, lines: Iterable[str]) -> None:
 
 
 def _campaign_document(campaign: Campaign) -> list[str]:
-    lines = [f"format = {FORMAT}", f"name = {_text(campaign.name)}"]
+    lines = [f"format = {FORMAT}", f"name = {toml_text(campaign.name)}"]
     if campaign.counts_per_rev is not None:
         lines.append(f"counts_per_rev = {format_quantity(campaign.counts_per_rev, '1')}")
     if campaign.robot:
@@ -108,9 +135,9 @@ def _campaign_document(campaign: Campaign) -> list[str]:
 def _run_document(run: Run) -> list[str]:
     lines = [
         f"format = {FORMAT}",
-        f"kind = {_text(run.kind)}",
+        f"kind = {toml_text(run.kind)}",
         _entry("pretension", run.pretension, "N"),
-        f"notes = {_text(run.notes)}",
+        f"notes = {toml_text(run.notes)}",
         *_section("initial", run.initial),
         *_section("knock", run.knock),
     ]
@@ -136,8 +163,15 @@ def _entry(name: str, value: float, unit: str) -> str:
     return f'{name} = "{format_quantity(value, unit)}"'
 
 
-def _text(text: str) -> str:
-    """A text as a basic string of TOML: as JSON writes it, but that DEL is escaped too."""
+def toml_text(text: str) -> str:
+    """A text as a basic string of TOML: as JSON writes it, but that DEL is escaped too.
+
+    Args:
+        text: The text.
+
+    Returns:
+        The string with its quotation marks.
+    """
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
@@ -174,6 +208,12 @@ def _camera_columns(camera: CameraStream) -> dict[str, list[str]]:
         "q_4 [mm]": _cells(q_4, _millimetres),
     }
     return columns | _extra_columns(camera.extra)
+
+
+def _accelerometer_columns(stream: AccelerometerStream) -> dict[str, list[str]]:
+    axes = {"a_x": stream.along, "a_y": stream.upwards, "a_z": stream.across}
+    columns = {f"{n} [m/s^2]": _cells(a) for n, a in axes.items() if a is not None}
+    return {"t [s]": _cells(stream.time)} | columns | _extra_columns(stream.extra)
 
 
 def _extra_columns(extra: dict[str, Shaped[np.ndarray, " rows"]]) -> dict[str, list[str]]:

@@ -11,6 +11,7 @@ import pydantic
 from jaxtyping import Bool, Float
 
 from identification.campaign.types import Campaign, Run
+from identification.knocks.accelerometer import accelerometer_ring_down, joined
 from identification.knocks.ring_down import RingDown, ring_down
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.robot.fields import si
@@ -94,7 +95,8 @@ def frequency_map(campaign: Campaign) -> FrequencyMap:
     A knock that can't be used is left out and listed in `unresolved` with the reason.
 
     Args:
-        campaign: The campaign; the camera's streams of its pseudo-impulse runs are used.
+        campaign: The campaign; of its pseudo-impulse runs the camera's and the accelerometer's
+            streams are used.
 
     Returns:
         The map, in the order of the runs.
@@ -114,7 +116,8 @@ def frequency_map(campaign: Campaign) -> FrequencyMap:
         reasons = "".join(f"\n  {name}: {reason}" for name, reason in unresolved)
         raise ValueError(
             f"none of {len(knocks)} pseudo_impulse runs gives a frequency, expected one at "
-            f"least [Hz]. Knock the end-effector and record it with the camera.{reasons}"
+            "least [Hz]. Knock the end-effector and record it with the camera or an "
+            f"accelerometer.{reasons}"
         )
     runs, poses, decays = zip(*usable, strict=True)
     x, y = np.array(poses).T
@@ -133,11 +136,43 @@ def frequency_map(campaign: Campaign) -> FrequencyMap:
 
 
 def _pose_and_decay(run: Run, *, noise_sigma: float) -> tuple[tuple[float, float], RingDown]:
-    """Pose before the knock [m] and ring-down after it."""
+    """Pose before the knock [m] and ring-down after it, by every sensor that there is."""
+    if run.accelerometer is None:
+        return _by_camera(run, noise_sigma=noise_sigma)
+    knock = run.knock
+    stated = None if knock is None else (knock.start, knock.start + knock.duration)
+    decay = accelerometer_ring_down(run.accelerometer, stated=stated)
+    if run.camera is None:
+        if run.initial is None:
+            raise ValueError(
+                "neither camera.csv nor [initial], expected where the end-effector hung "
+                'before the knock [m]. Write [initial] with x_e = "0.3 m" and y_e in run.toml.'
+            )
+        return (run.initial.x_e, run.initial.y_e), decay
+    if knock is None:
+        return _pose(run, before=float(decay.window[0]) - _CLOCK), decay
+    place, filmed = _by_camera(run, noise_sigma=noise_sigma)
+    return place, joined(filmed, decay)
+
+
+def _pose(run: Run, *, before: float) -> tuple[float, float]:
+    """Where the camera saw the end-effector up to some time on its clock [m]."""
+    time = np.asarray(run.camera.time)
+    x, y = (seen[np.isfinite(seen)] for seen in pose(run.camera.position[time < before]).T)
+    if len(x) == 0 or len(y) == 0:
+        raise ValueError(
+            f"the camera saw no pose before {before:.3g} s, expected where the end-effector "
+            "hung before the knock [m]. Start the camera earlier, or knock later."
+        )
+    return float(np.median(x)), float(np.median(y))
+
+
+def _by_camera(run: Run, *, noise_sigma: float) -> tuple[tuple[float, float], RingDown]:
+    """The same by the camera alone."""
     if run.camera is None:
         raise ValueError(
-            "no camera.csv, expected the end-effector's motion after the knock. Record the "
-            "knock with the camera."
+            "no camera.csv and no accelerometer.csv, expected the end-effector's motion "
+            "after the knock. Record the knock with the camera, or with an accelerometer."
         )
     if run.knock is None:
         raise ValueError(
@@ -146,23 +181,14 @@ def _pose_and_decay(run: Run, *, noise_sigma: float) -> tuple[tuple[float, float
         )
     offset = 0.0 if run.clock_offset is None else run.clock_offset
     margin = _CLOCK if run.clock_offset is None else _MARGIN
-    time = np.asarray(run.camera.time)
-    position = np.asarray(run.camera.position)
-    before = position[time < run.knock.start + offset - margin]
-    x, y = (seen[np.isfinite(seen)] for seen in pose(before).T)
-    if len(x) == 0 or len(y) == 0:
-        raise ValueError(
-            f"the camera saw no pose before {run.knock.start + offset - margin:.3g} s, "
-            "expected where the end-effector hung before the knock [m]. Start the camera "
-            "earlier, or knock later."
-        )
+    place = _pose(run, before=run.knock.start + offset - margin)
     decay = ring_down(
-        time,
-        position[:, X],
+        np.asarray(run.camera.time),
+        np.asarray(run.camera.position)[:, X],
         noise_sigma=noise_sigma,
         after=run.knock.start + run.knock.duration + offset + margin,
     )
-    return (float(np.median(x)), float(np.median(y))), decay
+    return place, decay
 
 
 def write_frequencies(frequencies: FrequencyMap, path: pathlib.Path) -> None:

@@ -26,6 +26,20 @@ _SAME = 0.2  # of the frequency: further off, another window's strongest mode is
 _DOUBTFUL = 0.25  # of the reciprocal length: a frequency less certain isn't resolved
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Sensor:
+    """What a ring-down was measured with, for messages."""
+
+    name: str
+    """Its name."""
+    noise: float
+    """Standard deviation of its noise [in its SI unit]."""
+    unit: str
+    """Unit that its numbers are told in."""
+    factor: float
+    """How many of these an SI unit is."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Mode:
     """One vibration mode in a ring-down."""
@@ -88,6 +102,7 @@ def ring_down(
     *,
     noise_sigma: float,
     after: float,
+    sensor: Sensor | None = None,
 ) -> RingDown:
     r"""Fit decaying sines to the free vibration after a knock.
 
@@ -111,6 +126,7 @@ def ring_down(
         noise_sigma: Standard deviation of the camera's position [m].
         after: Earliest time of the window [s]: the end of the knock, with a margin for
             what isn't known of the camera's clock.
+        sensor: What measured it, for messages; default: the camera.
 
     Returns:
         The ring-down.
@@ -118,6 +134,7 @@ def ring_down(
     Raises:
         ValueError: If there are too few samples, or no vibration stands out of the noise.
     """
+    sensor = sensor or Sensor(name="camera", noise=noise_sigma, unit="mm", factor=1e3)
     if not noise_sigma > 0:
         raise ValueError(
             f"`noise_sigma` must be positive [m], got {noise_sigma}. It is the camera's "
@@ -137,7 +154,7 @@ def ring_down(
         if windows and windows[-1].is_noise:
             break
     if not windows:
-        raise ValueError(_silence(time, noise_sigma=noise_sigma))
+        raise ValueError(_silence(time, sensor))
     chosen = windows[-1]
     if not chosen.is_noise:
         chosen = min(windows, key=lambda window: window.chi_square)
@@ -171,15 +188,16 @@ def _check_length(time: Float[np.ndarray, " samples"], *, after: float) -> None:
         )
 
 
-def _silence(time: Float[np.ndarray, " samples"], *, noise_sigma: float) -> str:
+def _silence(time: Float[np.ndarray, " samples"], sensor: Sensor) -> str:
     """What to say when nothing rings."""
     # What four more parameters have to gain, as the amplitude of a lasting sine.
     gain = 4 * np.log(len(time)) + _EVIDENCE
-    least = noise_sigma * np.sqrt(2 * gain / len(time))
+    unit, noise = sensor.unit, sensor.factor * sensor.noise
+    least = noise * np.sqrt(2 * gain / len(time))
     return (
         f"no vibration stands out between {time[0]:.3g} s and {time[-1]:.3g} s: the knock "
-        f"rang less than about {1e3 * least:.2g} mm, expected more than that over the "
-        f"camera's {1e3 * noise_sigma:.2g} mm noise. Knock harder, or leave this run out."
+        f"rang less than about {least:.2g} {unit}, expected more than that over the "
+        f"{sensor.name}'s {noise:.2g} {unit} noise. Knock harder, or leave this run out."
     )
 
 

@@ -29,7 +29,7 @@ def test_the_readme_says_what_every_verb_writes(verb):
 
 def test_every_module_of_a_verb_is_a_verb():
     folder = pathlib.Path(experiments.__file__).parent / "verbs"
-    modules = {path.stem.replace("_", "-") for path in folder.glob("*/[a-z]*.py")}
+    modules = {path.stem.rstrip("_").replace("_", "-") for path in folder.glob("*/[a-z]*.py")}
     assert modules == set(EVERY_VERB)
 
 

@@ -121,7 +121,7 @@ def _place_of_frequency(table: SpectrumTable, labels: list[Label]) -> int:
         raise ValueError(
             f"{table.path}, row {table.line}: {len(places)} columns of frequency, got "
             f"{_shown(table)!r}, expected one named 'freq' or 'frequency' [Hz]. Rename it in "
-            "the header; raw accelerations have to be made a spectrum first."
+            "the header; a raw recording of accelerations needs a column of time."
         )
     return places[0]
 

@@ -23,7 +23,8 @@ def shape(
 
     Args:
         spectrum: CSV file with a column freq [Hz] and densities such as psd_xyz, or one for
-            each of several sensors, the worst of which counts.
+            each of several sensors, the worst of which counts. A raw recording, with a column
+            of time and accelerations, is made a spectrum by Welch's method.
         out: Folder for shaper.json and shaper.html.
         max_duration: The longest that the shaper may be, "20 ms": the one that leaves least.
         max_vibration: The most that it may leave, "1 %": the shortest that does.
@@ -38,8 +39,10 @@ def shape(
     """
     set_up()
     from experiments.reports import shaper_report
+    from identification.bring.acceleration import read_acceleration
     from identification.campaign.quantities import parse_quantity
     from scdpr_jax.numerics.files import write_whole
+    from tuning.shapers.recording import spectrum_of_recording
     from tuning.shapers.shaper_file import shaper_document
     from tuning.shapers.spectrum_design import design_for_spectrum
     from tuning.shapers.spectrum_file import read_spectrum
@@ -56,12 +59,21 @@ def shape(
             f"`--impulses`: got {impulses}, expected 2 or more: one impulse is no shaper. "
             "Leave it out for as few as leave hardly more."
         )
-    file = read_spectrum(
-        spectrum,
-        column=column or None,
-        normalised=normalised,
-        lowest=parse_quantity(lowest, unit="Hz", name="--lowest"),
-    )
+    least = parse_quantity(lowest, unit="Hz", name="--lowest")
+    recording = None if column else read_acceleration(spectrum)
+    if recording is None:
+        file = read_spectrum(
+            spectrum, column=column or None, normalised=normalised, lowest=least
+        )
+    else:
+        file = spectrum_of_recording(
+            spectrum,
+            recording.time,
+            recording.axes,
+            told=recording.notes,
+            normalised=bool(normalised),
+            lowest=least,
+        )
     with shown_progress(ERRORS) as progress:
         designed = design_for_spectrum(
             file.spectrum,

@@ -46,6 +46,9 @@ VOLTAGE = {"V": Scale(), "mV": Scale(-3)}
 CURRENT = {"A": Scale(), "mA": Scale(-3)}
 """Units of a current."""
 
+ACCELERATION = {"m/s^2": Scale(), "mm/s^2": Scale(-3), "g": Scale(factor=9.80665)}
+"""Units of an acceleration."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Column:
@@ -78,6 +81,14 @@ CAMERA: tuple[Column, ...] = (
     Column("q_4", LENGTH),
 )
 """Columns of `camera.csv`."""
+
+ACCELEROMETER: tuple[Column, ...] = (
+    Column("t", TIME),
+    Column("a_x", ACCELERATION),
+    Column("a_y", ACCELERATION, partner="a_y"),
+    Column("a_z", ACCELERATION, partner="a_z"),
+)
+"""Columns of `accelerometer.csv`."""
 
 
 def drive_columns(counts_per_rev: float | None) -> tuple[Column, ...]:

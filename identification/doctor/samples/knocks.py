@@ -44,7 +44,9 @@ def knocks(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
     moved = onset(record, rig)
     if moved is None or first_command(record, rig, 0.05) < moved.before - EARLY:
         # That nothing moves is told as another kind of run.
-        untold = record.knock is None and not (record.filmed and moved is None)
+        # Where there is an accelerometer, whoever uses it looks for the knock there.
+        seen = (record.filmed and moved is None) or record.run.accelerometer is not None
+        untold = record.knock is None and not seen
         return record, (_unseen(record),) if untold else ()
     found = _knock(record, moved)
     if record.knock is None:

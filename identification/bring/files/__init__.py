@@ -1,0 +1,1 @@
+"""From a file of any make to its channels: what each file's reader gives, and where it runs."""

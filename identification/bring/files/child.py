@@ -1,0 +1,126 @@
+"""What runs in the child process: reads files whose readers may crash, hang or eat memory.
+
+Run as `python -m identification.bring.files.child OUT KIND PATH KIND PATH …`. What came of
+the k-th file is `OUT/k.npz`. A reader that raises, or brings down the process, leaves no such
+file, so that the parent knows which file it was; the last line of a traceback says why.
+"""
+
+import contextlib
+import json
+import pathlib
+import signal
+import sys
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from identification.bring.files.channel import Channel
+
+SECONDS = 1.5
+"""Processor time that every file may take [s]."""
+SECONDS_A_MEGABYTE = 3.0
+"""What is added for each megabyte of a file [s]: TDMS of one sample a segment takes it."""
+MEMORY = 2**29
+"""Memory that every file may take [bytes]."""
+MEMORY_A_BYTE = 60
+"""What is added for each byte of a file: compressed numbers are ten times as long unpacked, and
+are held as they are, as doubles, and on their way."""
+
+
+def seconds(path: pathlib.Path) -> float:
+    """Processor time that a file may take.
+
+    Args:
+        path: The file.
+
+    Returns:
+        The time [s].
+    """
+    return SECONDS + SECONDS_A_MEGABYTE * path.stat().st_size / 1e6
+
+
+def main(arguments: list[str]) -> None:
+    """Read files one after the other.
+
+    Args:
+        arguments: A folder for the results; then a kind, "tdms", "mat" or "hdf5", and a path
+            for each file.
+    """
+    out, *files = arguments
+    for number, (kind, name) in enumerate(zip(files[::2], files[1::2], strict=True)):
+        path = pathlib.Path(name)
+        reader = _reader(kind)
+        with _limited(path):
+            content = _packed(reader(path))
+        scratch = pathlib.Path(out) / f"{number}.part.npz"
+        np.savez(scratch, **content)
+        scratch.replace(pathlib.Path(out) / f"{number}.npz")
+
+
+def _reader(kind: str) -> Callable[[pathlib.Path], list[Channel]]:
+    """A kind's reader; its library is loaded before the limits hold."""
+    if kind == "tdms":
+        from identification.bring.files.tdms import read_tdms
+
+        return read_tdms
+    if kind == "hdf5":
+        from identification.bring.files.mat.hdf5 import read_hdf5
+
+        return read_hdf5
+    from identification.bring.files.mat.level5 import read_level5
+
+    return read_level5
+
+
+@contextlib.contextmanager
+def _limited(path: pathlib.Path) -> Iterator[None]:
+    """Limits of memory and of processor time, beyond which the system ends this process."""
+    if sys.platform == "win32":
+        yield
+        return
+    import resource
+
+    used = _address_space()
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    room = used + MEMORY + MEMORY_A_BYTE * path.stat().st_size
+    soft = room if hard == resource.RLIM_INFINITY else min(room, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+    signal.setitimer(signal.ITIMER_PROF, seconds(path))
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+
+
+def _address_space() -> int:
+    """Memory that this process has reserved already [bytes]."""
+    status = pathlib.Path("/proc/self/statm")
+    if not status.exists():
+        return 2**33
+    import resource
+
+    return int(status.read_text().split()[0]) * resource.getpagesize()
+
+
+def _packed(channels: list[Channel]) -> dict[str, np.ndarray]:
+    """What is written: a description in JSON, and each channel's array."""
+    rows = [
+        {
+            "name": channel.name,
+            "unit": channel.unit,
+            "label": channel.label,
+            "epoch": channel.epoch,
+            "missing": channel.missing,
+            "waveform": None if channel.waveform is None else vars(channel.waveform),
+        }
+        for channel in channels
+    ]
+    text = json.dumps(rows).encode()
+    arrays = {f"c{k}": channel.values for k, channel in enumerate(channels)}
+    return {"description": np.frombuffer(text, dtype=np.uint8), **arrays}
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,38 @@
+"""Objects that only MATLAB knows, and the line that makes a structure of each.
+
+A table, a timeseries and a Dataset are classes of MATLAB's own, whose content MAT files keep in
+a part that isn't documented. A reader that guesses at it would be wrong one day without a word.
+"""
+
+LINES = {
+    "table": 'log = table2struct({name}, "ToScalar", true);',
+    "timetable": 'log = table2struct(timetable2table({name}), "ToScalar", true);',
+    "timeseries": 'log = struct("time", {name}.Time, "data", {name}.Data);',
+    "Dataset": (
+        "log = struct(); for k = 1:{name}.numElements, e = {name}{{k}}; "
+        'log.(matlab.lang.makeValidName(e.Name)) = struct("time", e.Values.Time, '
+        '"data", e.Values.Data); end'
+    ),
+    "datetime": "log = posixtime({name});",
+    "duration": "log = seconds({name});",
+    "string": "log = char({name});",
+    "categorical": "log = double({name});",
+}
+"""What makes a structure, or an array, of an object, by the last part of its class."""
+
+
+def way_out(name: str, kind: str) -> str:
+    """Why an object can't be read, and what to do.
+
+    Args:
+        name: Its path in the file.
+        kind: Its class.
+
+    Returns:
+        The class, and the line to run in MATLAB.
+    """
+    line = LINES.get(kind.rpartition(".")[2], "log = struct({name});").format(name=name)
+    return (
+        f"an object of MATLAB's class {kind or 'unknown'}|In MATLAB: {line} "
+        'save("log.mat", "log", "-v7")'
+    )

@@ -1,0 +1,1 @@
+"""What a person says of logs: which channel is what, in which unit, on which clock."""
