@@ -1,0 +1,152 @@
+"""When each picture was taken, and which of them were dropped or doubled."""
+
+import csv
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from identification.campaign.tables.columns import TIME
+from identification.campaign.tables.text_file import read_text
+from identification.vision.settings.document import FIRST_STAMP, Time
+
+_CERTAIN = 0.3
+_NOISY = 1.0
+_MOVES = 0.5
+_STAYS = 0.15
+_GAP = 1.5
+
+
+@dataclasses.dataclass(frozen=True)
+class Clock:
+    """Times of a video's pictures and rows."""
+
+    frames: Float64[np.ndarray, " frames"]
+    """Middle of the exposure of the sensor's middle row [s]; NaN where there is no stamp."""
+    row_time: float
+    """Time from a row of the stored picture to the one below [s]."""
+    middle_row: float
+    """The row that is exposed at the picture's time [px]."""
+
+    def offset(self, row: Float64[np.ndarray, "*many"]) -> Float64[np.ndarray, "*many"]:
+        """How much later than the picture's time a row is exposed.
+
+        Args:
+            row: The row [px].
+
+        Returns:
+            The difference [s].
+        """
+        return (row - self.middle_row) * self.row_time
+
+
+def read_clock(time: Time, folder: Path, *, count: int, height: int) -> Clock:
+    """The clock of a video.
+
+    Args:
+        time: What is said of it.
+        folder: Where its file of stamps is.
+        count: Number of stored pictures.
+        height: Rows of a picture.
+
+    Returns:
+        The clock.
+
+    Raises:
+        ValueError: If the stamps can't be used.
+    """
+    if time.stamps is None:
+        frames = time.first_frame + np.arange(count) / time.frame_rate
+    else:
+        frames = _stamps(folder / time.stamps, count)
+    if time.stamp_at == FIRST_STAMP:
+        frames = frames + (time.exposure + time.readout) / 2
+    row_time = time.readout / max(height - 1, 1)
+    if time.readout_direction == "up":
+        row_time = -row_time
+    return Clock(frames, row_time, (height - 1) / 2)
+
+
+def _stamps(path: Path, count: int) -> Float64[np.ndarray, " frames"]:
+    text, fault = read_text(path)
+    if fault is not None:
+        raise ValueError(f"stamps: {dataclasses.replace(fault, file=str(path))}")
+    rows = list(csv.reader(text.splitlines()))
+    header = [cell.strip() for cell in rows[0]] if rows else []
+    units = {f"t [{unit}]": scale for unit, scale in TIME.items()}
+    column = next((cell for cell in header if cell in units), None)
+    if column is None or "frame" not in header:
+        raise ValueError(
+            f"stamps: {path.name}: got the columns {', '.join(header) or 'none'}, expected "
+            "`frame` and `t [s]`. Name them so; frames count from 0."
+        )
+    frames = np.full(count, np.nan)
+    for number, row in enumerate(rows[1:], start=2):
+        if not any(cell.strip() for cell in row):
+            continue
+        try:
+            frame = int(row[header.index("frame")])
+            stamp = float(row[header.index(column)])
+        except (ValueError, IndexError):
+            raise ValueError(
+                f"stamps: {path.name}, row {number}: got {','.join(row)!r}, expected a whole "
+                f"number of a frame and a time {column[1:].strip()}. Correct the row."
+            ) from None
+        if 0 <= frame < count:
+            frames[frame] = units[column](np.array(stamp))
+    if np.count_nonzero(np.isfinite(frames)) < 2:
+        raise ValueError(
+            f"stamps: {path.name} has no stamps of these {count} pictures. Frames count from 0."
+        )
+    return frames
+
+
+def dropped(times: Float64[np.ndarray, " frames"]) -> int:
+    """How many pictures were dropped, by gaps between stamps.
+
+    Args:
+        times: Times of the pictures [s].
+
+    Returns:
+        Their number.
+    """
+    steps = np.diff(times[np.isfinite(times)])
+    steps = steps[steps > 0]
+    if len(steps) < 2:
+        return 0
+    usual = np.median(steps)
+    return int(np.round(steps[steps > _GAP * usual] / usual - 1).sum())
+
+
+def doubled(
+    change: Float64[np.ndarray, " frames"], pixels: Float64[np.ndarray, "frames markers 2"]
+) -> Bool[np.ndarray, " frames"]:
+    """Which pictures are the one before once more.
+
+    Noise makes any two pictures differ, and a picture that is stored twice hardly does: its
+    largest difference of a block is far below that of the quietest others. Where a codec has
+    taken the noise away, still pictures look alike, too. There a picture is doubled if all
+    that moves before and after it has stayed where it was.
+
+    Args:
+        change: Largest mean difference of a block from the picture before [levels].
+        pixels: Where the markers are seen; NaN where they aren't [px].
+
+    Returns:
+        Whether each is.
+    """
+    later = change[1:][change[1:] > 0]
+    quiet = float(np.quantile(later, 0.1)) if len(later) else 0.0
+    certain = (change < _CERTAIN * quiet) & (quiet > _NOISY)
+    step = np.hypot(*np.moveaxis(np.diff(pixels, axis=0), -1, 0))
+    stays = np.zeros(len(change), bool)
+    for k in range(1, len(change) - 1):
+        around = np.hypot(*np.moveaxis(pixels[k + 1] - pixels[k - 1], -1, 0))
+        moving = around > 2 * _MOVES
+        still = step[k - 1] < _STAYS * around
+        less = change[k] < _CERTAIN * min(change[k - 1], change[k + 1])
+        stays[k] = bool(less and moving.any() and still[moving].all())
+    found = certain | stays
+    found[:1] = False
+    return found

@@ -1,0 +1,65 @@
+"""A lens: where in the picture a direction is seen, and back."""
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Float64
+
+from identification.vision.pictures.opencv import opencv
+
+_STEPS = 60
+_CLOSE = 1e-11
+
+
+@dataclasses.dataclass(frozen=True)
+class Lens:
+    """A pinhole with OpenCV's distortion; a pixel's centre has whole coordinates."""
+
+    matrix: Float64[np.ndarray, "3 3"]
+    """Focal lengths and principal point [px]."""
+    distortion: Float64[np.ndarray, " terms"]
+    """k1, k2, p1, p2, k3, … [1]."""
+    rms: float | None = None
+    """Root mean square of the board's corners about the fit [px]; None if it was stated."""
+
+    @property
+    def focal_length(self) -> float:
+        """Mean focal length [px]."""
+        return float(np.sqrt(self.matrix[0, 0] * self.matrix[1, 1]))
+
+    def directions(self, pixels: Float64[np.ndarray, "*many 2"]) -> Float64[np.ndarray, "*many 2"]:
+        """Where pixels look, at unit distance before the camera.
+
+        Args:
+            pixels: Pixels as they are stored [px].
+
+        Returns:
+            Directions without distortion [1]; NaN where the pixel is.
+        """
+        cv2 = opencv()
+        flat = np.ascontiguousarray(pixels, float).reshape(-1, 1, 2)
+        if not len(flat):
+            return np.zeros(np.shape(pixels))
+        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, _STEPS, _CLOSE)
+        seen = np.isfinite(flat).all(axis=-1, keepdims=True)
+        filled = np.where(seen, flat, self.matrix[:2, 2])
+        found = cv2.undistortPoints(
+            filled, self.matrix, self.distortion, None, None, None, criteria
+        )
+        return np.where(seen, found, np.nan).reshape(np.shape(pixels))
+
+    def pixels(
+        self, points: Float64[np.ndarray, "*many 3"]
+    ) -> Float64[np.ndarray, "*many 2"]:
+        """Where points before the camera are seen.
+
+        Args:
+            points: Points in the camera's coordinates [m].
+
+        Returns:
+            Pixels [px].
+        """
+        flat = np.ascontiguousarray(points, float).reshape(-1, 1, 3)
+        zero = np.zeros(3)
+        found, _ = opencv().projectPoints(flat, zero, zero, self.matrix, self.distortion)
+        return found.reshape(*np.shape(points)[:-1], 2)

@@ -1,0 +1,254 @@
+r"""One coloured disc in a picture, by its shape.
+
+What is known of a disc is much: where it about is, its diameter, how the camera sees a piece
+of the plane there, how far it moves during the exposure. So its picture is known but for its
+place, and the place is what makes the sum over pixels of
+$w_k (a_k - b - c\,m_k(u, v, \rho))^2$ least: $a_k$ is the share of pixel $k$ that is the disc's
+colour, $m_k$ the share that a disc of centre $(u, v)$ and relative radius $\rho$ covers, blurred
+by the lens and by its motion. The centroid of the disc's colour would be simpler, and takes
+in whatever of like colour is near, and what an arm before the disc leaves of it; here pixels
+of a third colour, and those that disagree, have no weight.
+
+Shares are told by the luma, through the colours of the disc and of what is around it, in linear
+light. The chroma of most videos has half of the pixels, and is shifted by up to 0.1 px,
+by each program in its own way.
+"""
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Bool, Float64, UInt8
+from scipy.special import ndtr
+
+LUMA = np.array([0.114, 0.587, 0.299])
+"""Weights of blue, green and red in the luma that videos keep at full resolution."""
+_LEVELS = np.arange(256) / 255
+LINEAR = np.where(_LEVELS <= 0.04045, _LEVELS / 12.92, ((_LEVELS + 0.055) / 1.055) ** 2.4)
+"""Light of each level, of sRGB [1]."""
+_SHARES = np.linspace(-0.25, 1.5, 176)
+_ROUNDS = 5
+_OFF_COLOUR = 0.25
+_LIMIT = 0.35
+_MARGIN = 2.6
+_SQRT_TAU = np.sqrt(2 * np.pi)
+
+
+@dataclasses.dataclass(frozen=True)
+class Shape:
+    """What is known of a disc's picture but for its place."""
+
+    axes: Float64[np.ndarray, "2 2"]
+    """Pixels for one radius along x and along y, as columns [px]."""
+    blur: float
+    """Standard deviation of the lens's and the sensor's blur [px]."""
+    travel: Float64[np.ndarray, " 2"]
+    """Path during the exposure [px]."""
+
+    @property
+    def radius(self) -> float:
+        """Radius of the circle with its area [px]."""
+        return float(np.sqrt(abs(np.linalg.det(self.axes))))
+
+
+@dataclasses.dataclass(frozen=True)
+class Disc:
+    """A disc as it was measured."""
+
+    centre: Float64[np.ndarray, " 2"]
+    """Centroid of its picture [px]."""
+    scale: float
+    """Radius over the one that was expected [1]."""
+    hidden: float
+    """Share of its area that isn't its colour [1]."""
+    misfit: float
+    """Root mean square of the pixels' shares about the fit [1]."""
+    colour: Float64[np.ndarray, " 3"]
+    """Its colour in linear light, BGR [1]."""
+
+
+def measure(
+    picture: UInt8[np.ndarray, "height width 3"],
+    near: Float64[np.ndarray, " 2"],
+    shape: Shape,
+) -> Disc | None:
+    """Measure a disc.
+
+    Args:
+        picture: The picture, BGR.
+        near: Where it is, to a third of its radius [px].
+        shape: Its shape.
+
+    Returns:
+        The disc; None if it reaches over the picture's edge or isn't there at all.
+    """
+    window = _window(picture.shape, near, shape)
+    if window is None:
+        return None
+    rows, columns = window
+    patch = picture[rows, columns]
+    y, x = np.mgrid[rows, columns].astype(float)
+    centre, scale = np.array(near, float), 1.0
+    light, luma = LINEAR[patch], patch @ LUMA
+    weight = np.ones(luma.shape)
+    for turn in range(_ROUNDS):
+        cover, slopes, reach = _coverage(x - centre[0], y - centre[1], scale, shape)
+        if turn in (0, 1, 3):
+            colours = _colours(light, cover, weight * reach)
+            if colours is None:
+                return None
+            share, off = _shares(light, luma, *colours)
+        model = np.stack([*slopes, cover, np.ones_like(cover)], axis=-1)
+        weight = reach * (off < _OFF_COLOUR)
+        if turn:
+            weight *= np.clip(1.5 - np.abs(share - fitted) / _LIMIT, 0, 1)
+        scaled = model * weight[..., None]
+        normal = np.einsum("yxi,yxj->ij", scaled, model) + 1e-9 * np.eye(5)
+        step = np.linalg.solve(normal, np.einsum("yxi,yx->i", scaled, share))
+        amplitude = max(step[3], 0.2)
+        move = step[:2] / amplitude
+        centre = centre + np.clip(move, -0.5 * shape.radius, 0.5 * shape.radius)
+        scale = float(np.clip(scale + step[2] / amplitude, 0.5, 1.6))
+        fitted = model @ step
+        if np.abs(centre - near).max() > shape.radius:
+            return None
+    return _judged(share, fitted, off, cover, reach, centre, scale, colours)
+
+
+def _judged(
+    share: Float64[np.ndarray, "height width"],
+    fitted: Float64[np.ndarray, "height width"],
+    off: Float64[np.ndarray, "height width"],
+    cover: Float64[np.ndarray, "height width"],
+    reach: Float64[np.ndarray, "height width"],
+    centre: Float64[np.ndarray, " 2"],
+    scale: float,
+    colours: tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]],
+) -> Disc:
+    """What the last round found."""
+    error = share - fitted
+    other = (off > _OFF_COLOUR) | (np.abs(error) > _LIMIT)
+    hidden = float((cover * other).sum() / cover.sum())
+    good = (reach > 0) & ~other
+    misfit = float(np.sqrt((error[good] ** 2).mean())) if good.any() else np.inf
+    return Disc(centre, scale, hidden, misfit, colours[0])
+
+
+def _window(
+    size: tuple[int, ...], near: Float64[np.ndarray, " 2"], shape: Shape
+) -> tuple[slice, slice] | None:
+    half = np.sqrt((shape.axes**2).sum(axis=1)) * 1.1
+    half = half + np.abs(shape.travel) / 2 + _MARGIN * shape.blur + 2
+    low = np.floor(near - half).astype(int)
+    high = np.ceil(near + half).astype(int) + 1
+    if (low < 0).any() or high[1] > size[0] or high[0] > size[1]:
+        return None
+    return slice(low[1], high[1]), slice(low[0], high[0])
+
+
+def _coverage(
+    x: Float64[np.ndarray, "height width"],
+    y: Float64[np.ndarray, "height width"],
+    scale: float,
+    shape: Shape,
+) -> tuple[
+    Float64[np.ndarray, "height width"],
+    tuple[Float64[np.ndarray, "height width"], ...],
+    Float64[np.ndarray, "height width"],
+]:
+    """Share of each pixel that the disc covers, its slopes, and where it tells anything.
+
+    The edge is a straight one to each pixel, as the blur is short beside the radius.
+    """
+    count = max(1, int(np.ceil(np.hypot(*shape.travel) / (1.5 * shape.blur))))
+    inverse = np.linalg.inv(shape.axes)
+    shares = (np.arange(count) + 0.5) / count - 0.5
+    total = [np.zeros_like(x) for _ in range(4)]
+    for share in shares:
+        dx, dy = x - share * shape.travel[0], y - share * shape.travel[1]
+        p = inverse[0, 0] * dx + inverse[0, 1] * dy
+        q = inverse[1, 0] * dx + inverse[1, 1] * dy
+        length = np.hypot(p, q) + 1e-12
+        along_x = (inverse[0, 0] * p + inverse[1, 0] * q) / length
+        along_y = (inverse[0, 1] * p + inverse[1, 1] * q) / length
+        steep = np.hypot(along_x, along_y)
+        inside = (scale - length) / (steep * shape.blur)
+        bell = np.exp(-0.5 * inside**2) / (_SQRT_TAU * shape.blur * steep)
+        total[0] += ndtr(inside)
+        total[1] += bell * along_x
+        total[2] += bell * along_y
+        total[3] += bell
+    cover, *slopes = (each / count for each in total)
+    margin = _MARGIN * shape.blur
+    lowest = np.exp(-0.5 * (margin / shape.blur) ** 2) / (_SQRT_TAU * shape.blur) / count
+    near_edge = slopes[2] * _mean_steepness(inverse) > lowest
+    return cover, tuple(slopes), ((cover > 0.5) | near_edge).astype(float)
+
+
+def _mean_steepness(inverse: Float64[np.ndarray, "2 2"]) -> float:
+    return float(np.sqrt(abs(np.linalg.det(inverse))))
+
+
+def _colours(
+    light: Float64[np.ndarray, "height width 3"],
+    cover: Float64[np.ndarray, "height width"],
+    weight: Float64[np.ndarray, "height width"],
+) -> tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]] | None:
+    """Light of the disc and of what is around it: medians of where the one or other is."""
+    inner, outer = (cover > 0.97) & (weight > 0.5), (cover < 0.08) & (weight > 0.5)
+    if np.count_nonzero(inner) < 8:
+        inner = cover > 0.9 * cover.max()
+    if np.count_nonzero(outer) < 8:
+        outer = cover < 0.2
+    if not inner.any() or not outer.any():
+        return None
+    disc, ground = _centre_of(light[inner]), _centre_of(light[outer])
+    return (disc, ground) if np.linalg.norm(disc - ground) > 0.02 else None
+
+
+def _centre_of(light: Float64[np.ndarray, "pixels 3"]) -> Float64[np.ndarray, " 3"]:
+    """Mean of the middle half of each channel: levels are whole numbers, a median is one."""
+    ordered = np.sort(light, axis=0)
+    quarter = len(light) // 4
+    return ordered[quarter : len(light) - quarter].mean(axis=0)
+
+
+def _shares(
+    light: Float64[np.ndarray, "height width 3"],
+    luma: Float64[np.ndarray, "height width"],
+    disc: Float64[np.ndarray, " 3"],
+    ground: Float64[np.ndarray, " 3"],
+) -> tuple[Float64[np.ndarray, "height width"], Float64[np.ndarray, "height width"]]:
+    """Share of each pixel that is the disc's, and how far its colour is off the line."""
+    difference = disc - ground
+    square = difference @ difference
+    apart = light - ground
+    along = np.clip(apart @ difference / square, 0, 1)
+    off = np.sqrt(((apart - along[..., None] * difference) ** 2).sum(axis=-1) / square)
+    mixed = np.clip(ground + _SHARES[:, None] * difference, 0, 1)
+    levels = _stored(mixed) @ LUMA
+    if levels[-1] < levels[0]:
+        share = np.interp(luma, levels[::-1], _SHARES[::-1])
+    else:
+        share = np.interp(luma, levels, _SHARES)
+    return share, off
+
+
+def _stored(light: Float64[np.ndarray, "... 3"]) -> Float64[np.ndarray, "... 3"]:
+    """Levels of light, of sRGB."""
+    curved = 1.055 * np.maximum(light, 0.0031308) ** (1 / 2.4) - 0.055
+    return 255 * np.where(light <= 0.0031308, 12.92 * light, curved)
+
+
+def is_whole(disc: Disc) -> bool:
+    """Whether nothing is before a disc.
+
+    Args:
+        disc: The disc.
+
+    Returns:
+        Whether its colour fills its shape.
+    """
+    return disc.hidden < 0.02
+
+
+Mask = Bool[np.ndarray, "height width"]

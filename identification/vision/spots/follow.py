@@ -1,0 +1,243 @@
+"""Marks and markers from picture to picture."""
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float64
+
+from identification.vision.pictures.stream import Frame
+from identification.vision.settings.document import Marker, Vision
+from identification.vision.spots.bodies import (
+    FARTHEST,
+    Candidate,
+    assign,
+    carriage_height,
+    of_bodies,
+    rigid_pose,
+)
+from identification.vision.spots.disc import Shape
+from identification.vision.spots.look import Look, Picture, Sighting
+from identification.vision.spots.marks import Start, look_of, mark_places
+
+_STILL = 1.0
+_STRANGE_SCALE = 0.2
+_STRANGE = 0.25
+_REACH = 5.0
+_SPREAD = 0.6
+_LOST_SPREAD = 3.0
+_SHORT_LOSS = 8
+_AREAS = (0.3, 2.0)
+_MISSING = np.full(2, np.nan)
+
+
+@dataclasses.dataclass
+class Trail:
+    """Where a marker was last, while a video is being read: the one thing that changes."""
+
+    pixel: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=_MISSING.copy)
+    """Where it was last [px]."""
+    velocity: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=lambda: np.zeros(2))
+    """How fast it was [px/s]."""
+    time: float = 0.0
+    """When that was [s]."""
+    missed: int = 0
+    """Pictures since in which it wasn't seen."""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it was ever seen, and not long ago."""
+        return bool(np.isfinite(self.pixel[0])) and self.missed <= _SHORT_LOSS
+
+    def moved_to(self, pixel: Float64[np.ndarray, " 2"], time: float) -> None:
+        """Take note of where it is now."""
+        if np.isfinite(self.pixel[0]) and self.missed == 0 and time > self.time:
+            self.velocity = (pixel - self.pixel) / (time - self.time)
+        elif self.missed > 0:
+            self.velocity = np.zeros(2)
+        self.pixel, self.time, self.missed = pixel, time, 0
+
+
+@dataclasses.dataclass(frozen=True)
+class Seen:
+    """What was seen of marks or markers in one picture; NaN where nothing was."""
+
+    pixel: Float64[np.ndarray, "spots 2"]
+    """Centroids [px]."""
+    scale: Float64[np.ndarray, " spots"]
+    """Size over the expected one [1]."""
+    hidden: Float64[np.ndarray, " spots"]
+    """Share that is covered [1]."""
+
+
+class Follower:
+    """What follows marks and markers through a video."""
+
+    def __init__(self, vision: Vision, start: Start):
+        self.vision = vision
+        self.start = start
+        self.trails = [Trail() for _ in vision.markers]
+        self.shift = np.zeros(2)
+        self._mark_looks = [look_of(vision, mark) for mark in vision.marks]
+        self._looks = [look_of(vision, marker) for marker in vision.markers]
+        places = mark_places(vision)
+        self._mark_pixels = start.view.pixels(places)
+        self._mark_shapes = [
+            start.shape(mark, place) for mark, place in zip(vision.marks, places, strict=True)
+        ]
+
+    def marks(self, frame: Frame) -> Seen:
+        """The marks in the next picture; a tripod that shakes moves them all.
+
+        Args:
+            frame: The picture.
+
+        Returns:
+            What is seen of them.
+        """
+        rows = zip(self._mark_looks, self._mark_pixels, self._mark_shapes, strict=True)
+        seen = [
+            look.at(frame.picture, pixel + self.shift, shape, 2 * _REACH)
+            for look, pixel, shape in rows
+        ]
+        moved = [
+            each.centre - pixel
+            for each, pixel in zip(seen, self._mark_pixels, strict=True)
+            if each is not None and each.is_whole
+        ]
+        if moved:
+            self.shift = np.median(moved, axis=0)
+        return _seen(seen)
+
+    def markers(self, frame: Frame, time: float) -> Seen:
+        """The markers in the next picture.
+
+        Args:
+            frame: The picture.
+            time: When it was taken [s].
+
+        Returns:
+            What is seen of them.
+        """
+        seen: list[Sighting | None] = [None] * len(self.trails)
+        for body, members in of_bodies(self.vision):
+            for k in members:
+                if self.trails[k].is_known:
+                    seen[k] = self._near(frame.picture, k, time)
+            self._drop_strangers(body, members, seen)
+            if all(seen[k] is None for k in members):
+                self._find(frame.picture, body, members, seen)
+            else:
+                self._carry(members, seen)
+        for k, trail in enumerate(self.trails):
+            sighting = seen[k]
+            if sighting is None:
+                trail.missed += 1
+            elif frame.change >= _STILL or np.hypot(*trail.velocity) < _STILL:
+                # A doubled picture shows nothing of how fast it moves.
+                trail.moved_to(sighting.centre, time)
+        return _seen(seen)
+
+    def _near(self, picture: Picture, k: int, time: float) -> Sighting | None:
+        """A marker where it is expected."""
+        trail = self.trails[k]
+        step = trail.velocity * (time - trail.time) if trail.missed <= 1 else np.zeros(2)
+        near = trail.pixel + step
+        travel = trail.velocity * self.vision.time.exposure
+        shape = self._shape(k, near, travel)
+        reach = _REACH + _SPREAD * float(np.hypot(*step)) + _LOST_SPREAD * trail.missed
+        sighting = self._looks[k].at(picture, near, shape, reach)
+        if sighting is None or self._is_strange(sighting):
+            return None
+        return sighting
+
+    def _shape(
+        self,
+        k: int,
+        pixel: Float64[np.ndarray, " 2"],
+        travel: Float64[np.ndarray, " 2"] = np.zeros(2),
+    ) -> Shape:
+        marker = self.vision.markers[k]
+        place = self.start.view.places(pixel, marker.depth)
+        return self.start.shape(marker, np.array([*place, marker.depth]), travel)
+
+    @staticmethod
+    def _is_strange(sighting: Sighting) -> bool:
+        """Whether something is no such disc; one that is partly hidden still is one."""
+        return sighting.misfit > _STRANGE or (
+            sighting.is_whole and abs(sighting.scale - 1) > _STRANGE_SCALE
+        )
+
+    def _drop_strangers(
+        self, body: str, members: Sequence[int], seen: list[Sighting | None]
+    ) -> None:
+        """Forget markers that can't be on their body."""
+        there = [k for k in members if seen[k] is not None and seen[k].is_whole]
+        places = self._places([seen[k].centre for k in there], there)
+        if body == "lower_carriage":
+            for k, place in zip(there, places, strict=True):
+                if abs(place[1] - carriage_height(self.vision, self.vision.markers[k])) > 0.1:
+                    self._forget([k], seen)
+        if len(there) > 1:
+            at = np.array([[self.vision.markers[k].x, self.vision.markers[k].y] for k in there])
+            if rigid_pose(at, places).residual.max() > 2 * FARTHEST:
+                self._forget(there, seen)
+
+    def _carry(self, members: Sequence[int], seen: list[Sighting | None]) -> None:
+        """Markers that aren't seen go with those of their body that are."""
+        moved = [
+            seen[k].centre - self.trails[k].pixel
+            for k in members
+            if seen[k] is not None and np.isfinite(self.trails[k].pixel[0])
+        ]
+        for k in members:
+            if seen[k] is None and moved and self.trails[k].is_known:
+                self.trails[k].pixel = self.trails[k].pixel + np.mean(moved, axis=0)
+                self.trails[k].velocity = np.zeros(2)
+                self.trails[k].missed = 0
+
+    def _forget(self, members: Sequence[int], seen: list[Sighting | None]) -> None:
+        for k in members:
+            seen[k] = None
+            self.trails[k] = Trail()
+
+    def _places(
+        self, pixels: Sequence[Float64[np.ndarray, " 2"]], members: Sequence[int]
+    ) -> Float64[np.ndarray, "markers 2"]:
+        depth = np.array([self.vision.markers[k].depth for k in members])
+        return self.start.view.places(
+            np.reshape(np.array(pixels), (-1, 2)) - self.shift, depth
+        )
+
+    def _find(
+        self, picture: Picture, body: str, members: Sequence[int], seen: list[Sighting | None]
+    ) -> None:
+        """Look for a body that is lost, in the whole picture."""
+        found = {k: self._candidates(picture, k, self._looks[k]) for k in members}
+        there = {k: candidates for k, candidates in found.items() if candidates}
+        if body == "end_effector" and len(there) < 2:
+            return
+        for k, candidate in assign(self.vision, body, there).items():
+            seen[k] = candidate.sighting
+            self.trails[k] = Trail(pixel=candidate.sighting.centre)
+
+    def _candidates(self, picture: Picture, k: int, look: Look) -> list[Candidate]:
+        middle = np.array(picture.shape[1::-1]) / 2
+        usual = np.pi * self._shape(k, middle).radius ** 2
+        candidates = []
+        for pixel in look.places(picture, _AREAS[0] * usual, _AREAS[1] * usual):
+            sighting = look.at(picture, pixel, self._shape(k, pixel), _REACH)
+            if sighting is None or self._is_strange(sighting) or not sighting.is_whole:
+                continue
+            place = self._places([sighting.centre], [k])[0]
+            unlike = abs(sighting.scale - 1) + sighting.misfit
+            candidates.append(Candidate(sighting, place, unlike))
+        return sorted(candidates, key=lambda each: each.unlike)
+
+
+def _seen(sightings: Sequence[Sighting | None]) -> Seen:
+    return Seen(
+        np.array([_MISSING if each is None else each.centre for each in sightings]),
+        np.array([np.nan if each is None else each.scale for each in sightings]),
+        np.array([np.nan if each is None else each.hidden for each in sightings]),
+    )
