@@ -13,6 +13,8 @@ from identification.vision.settings.document import FIRST_STAMP, Time
 
 _CERTAIN = 0.3
 _NOISY = 1.0
+_LEVEL = 0.1
+_MOST = 0.3
 _MOVES = 0.5
 _STAYS = 0.15
 _GAP = 1.5
@@ -124,10 +126,10 @@ def doubled(
 ) -> Bool[np.ndarray, " frames"]:
     """Which pictures are the one before once more.
 
-    Noise makes any two pictures differ, and a picture that is stored twice hardly does: its
-    largest difference of a block is far below that of the quietest others. Where a codec has
-    taken the noise away, still pictures look alike, too. There a picture is doubled if all
-    that moves before and after it has stayed where it was.
+    Noise makes any two pictures differ, and a picture that is stored twice hardly does: among
+    the largest differences of a block, those of doubled pictures stand apart at the low end.
+    Where a codec has taken the noise away, still pictures look alike, too. There a picture is
+    doubled if all that moves before and after it has stayed where it was.
 
     Args:
         change: Largest mean difference of a block from the picture before [levels].
@@ -136,9 +138,7 @@ def doubled(
     Returns:
         Whether each is.
     """
-    later = change[1:][change[1:] > 0]
-    quiet = float(np.quantile(later, 0.1)) if len(later) else 0.0
-    certain = (change < _CERTAIN * quiet) & (quiet > _NOISY)
+    certain = change <= _apart(change[1:])
     step = np.hypot(*np.moveaxis(np.diff(pixels, axis=0), -1, 0))
     stays = np.zeros(len(change), bool)
     for k in range(1, len(change) - 1):
@@ -150,3 +150,15 @@ def doubled(
     found = certain | stays
     found[:1] = False
     return found
+
+
+def _apart(change: Float64[np.ndarray, " pairs"]) -> float:
+    """The largest change of those that stand apart at the low end; negative if none do."""
+    ordered = np.sort(change)
+    few = ordered[: max(2, int(_MOST * len(ordered)))]
+    if len(few) < 2:
+        return -1.0
+    ratios = (few[1:] + _LEVEL) / (few[:-1] + _LEVEL)
+    gap = int(np.argmax(ratios))
+    stands_apart = ratios[gap] * _CERTAIN > 1 and few[gap + 1] > _NOISY
+    return float(few[gap]) if stands_apart else -1.0

@@ -17,7 +17,7 @@ by each program in its own way.
 import dataclasses
 
 import numpy as np
-from jaxtyping import Bool, Float64, UInt8
+from jaxtyping import Float64, UInt8
 from scipy.special import ndtr
 
 LUMA = np.array([0.114, 0.587, 0.299])
@@ -30,6 +30,8 @@ _ROUNDS = 5
 _OFF_COLOUR = 0.25
 _LIMIT = 0.35
 _MARGIN = 2.6
+_CLOSE = 3e-3
+_LEAST_AMPLITUDE = 0.2
 _SQRT_TAU = np.sqrt(2 * np.pi)
 
 
@@ -85,11 +87,11 @@ def measure(
     if window is None:
         return None
     rows, columns = window
-    patch = picture[rows, columns]
-    y, x = np.mgrid[rows, columns].astype(float)
-    centre, scale = np.array(near, float), 1.0
+    patch = picture[rows, columns].reshape(-1, 3)
+    y, x = (each.ravel().astype(float) for each in np.mgrid[rows, columns])
     light, luma = LINEAR[patch], patch @ LUMA
-    weight = np.ones(luma.shape)
+    centre, scale = np.array(near, float), 1.0
+    weight, fitted = np.ones(len(luma)), None
     for turn in range(_ROUNDS):
         cover, slopes, reach = _coverage(x - centre[0], y - centre[1], scale, shape)
         if turn in (0, 1, 3):
@@ -97,29 +99,30 @@ def measure(
             if colours is None:
                 return None
             share, off = _shares(light, luma, *colours)
-        model = np.stack([*slopes, cover, np.ones_like(cover)], axis=-1)
+        model = np.stack([*slopes, cover, np.ones_like(cover)])
         weight = reach * (off < _OFF_COLOUR)
-        if turn:
+        if fitted is not None:
             weight *= np.clip(1.5 - np.abs(share - fitted) / _LIMIT, 0, 1)
-        scaled = model * weight[..., None]
-        normal = np.einsum("yxi,yxj->ij", scaled, model) + 1e-9 * np.eye(5)
-        step = np.linalg.solve(normal, np.einsum("yxi,yx->i", scaled, share))
-        amplitude = max(step[3], 0.2)
-        move = step[:2] / amplitude
-        centre = centre + np.clip(move, -0.5 * shape.radius, 0.5 * shape.radius)
-        scale = float(np.clip(scale + step[2] / amplitude, 0.5, 1.6))
-        fitted = model @ step
+        scaled = model * weight
+        step = np.linalg.solve(scaled @ model.T + 1e-9 * np.eye(5), scaled @ share)
+        fitted = step @ model
+        move = step[:3] / max(step[3], _LEAST_AMPLITUDE)
+        most = 0.5 * shape.radius
+        centre = centre + np.clip(move[:2], -most, most)
+        scale = float(np.clip(scale + move[2], 0.5, 1.6))
         if np.abs(centre - near).max() > shape.radius:
             return None
+        if turn > 1 and np.abs(move[:2]).max() < _CLOSE:
+            break
     return _judged(share, fitted, off, cover, reach, centre, scale, colours)
 
 
 def _judged(
-    share: Float64[np.ndarray, "height width"],
-    fitted: Float64[np.ndarray, "height width"],
-    off: Float64[np.ndarray, "height width"],
-    cover: Float64[np.ndarray, "height width"],
-    reach: Float64[np.ndarray, "height width"],
+    share: Float64[np.ndarray, " pixels"],
+    fitted: Float64[np.ndarray, " pixels"],
+    off: Float64[np.ndarray, " pixels"],
+    cover: Float64[np.ndarray, " pixels"],
+    reach: Float64[np.ndarray, " pixels"],
     centre: Float64[np.ndarray, " 2"],
     scale: float,
     colours: tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]],
@@ -146,14 +149,14 @@ def _window(
 
 
 def _coverage(
-    x: Float64[np.ndarray, "height width"],
-    y: Float64[np.ndarray, "height width"],
+    x: Float64[np.ndarray, " pixels"],
+    y: Float64[np.ndarray, " pixels"],
     scale: float,
     shape: Shape,
 ) -> tuple[
-    Float64[np.ndarray, "height width"],
-    tuple[Float64[np.ndarray, "height width"], ...],
-    Float64[np.ndarray, "height width"],
+    Float64[np.ndarray, " pixels"],
+    tuple[Float64[np.ndarray, " pixels"], ...],
+    Float64[np.ndarray, " pixels"],
 ]:
     """Share of each pixel that the disc covers, its slopes, and where it tells anything.
 
@@ -161,37 +164,29 @@ def _coverage(
     """
     count = max(1, int(np.ceil(np.hypot(*shape.travel) / (1.5 * shape.blur))))
     inverse = np.linalg.inv(shape.axes)
-    shares = (np.arange(count) + 0.5) / count - 0.5
-    total = [np.zeros_like(x) for _ in range(4)]
-    for share in shares:
+    (a, b), (c, d) = inverse / shape.blur
+    total = np.zeros((4, len(x)))
+    for share in (np.arange(count) + 0.5) / count - 0.5:
         dx, dy = x - share * shape.travel[0], y - share * shape.travel[1]
-        p = inverse[0, 0] * dx + inverse[0, 1] * dy
-        q = inverse[1, 0] * dx + inverse[1, 1] * dy
-        length = np.hypot(p, q) + 1e-12
-        along_x = (inverse[0, 0] * p + inverse[1, 0] * q) / length
-        along_y = (inverse[0, 1] * p + inverse[1, 1] * q) / length
-        steep = np.hypot(along_x, along_y)
-        inside = (scale - length) / (steep * shape.blur)
-        bell = np.exp(-0.5 * inside**2) / (_SQRT_TAU * shape.blur * steep)
-        total[0] += ndtr(inside)
-        total[1] += bell * along_x
-        total[2] += bell * along_y
-        total[3] += bell
-    cover, *slopes = (each / count for each in total)
-    margin = _MARGIN * shape.blur
-    lowest = np.exp(-0.5 * (margin / shape.blur) ** 2) / (_SQRT_TAU * shape.blur) / count
-    near_edge = slopes[2] * _mean_steepness(inverse) > lowest
+        # In radii over the blur: the edge is where the length is 1 / blur.
+        p, q = a * dx + b * dy, c * dx + d * dy
+        length = np.sqrt(p * p + q * q) + 1e-12
+        along_x, along_y = (a * p + c * q) / length, (b * p + d * q) / length
+        steep = np.sqrt(along_x * along_x + along_y * along_y) * shape.blur
+        inside = (scale / shape.blur - length) / steep
+        bell = np.exp(-0.5 * inside * inside) / (_SQRT_TAU * steep)
+        total += ndtr(inside), bell * along_x, bell * along_y, bell / shape.blur
+    total /= count
+    cover, *slopes = total
+    least = np.exp(-0.5 * _MARGIN**2) / (_SQRT_TAU * shape.blur * count)
+    near_edge = slopes[2] * np.sqrt(abs(np.linalg.det(inverse))) > least
     return cover, tuple(slopes), ((cover > 0.5) | near_edge).astype(float)
 
 
-def _mean_steepness(inverse: Float64[np.ndarray, "2 2"]) -> float:
-    return float(np.sqrt(abs(np.linalg.det(inverse))))
-
-
 def _colours(
-    light: Float64[np.ndarray, "height width 3"],
-    cover: Float64[np.ndarray, "height width"],
-    weight: Float64[np.ndarray, "height width"],
+    light: Float64[np.ndarray, "pixels 3"],
+    cover: Float64[np.ndarray, " pixels"],
+    weight: Float64[np.ndarray, " pixels"],
 ) -> tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]] | None:
     """Light of the disc and of what is around it: medians of where the one or other is."""
     inner, outer = (cover > 0.97) & (weight > 0.5), (cover < 0.08) & (weight > 0.5)
@@ -213,11 +208,11 @@ def _centre_of(light: Float64[np.ndarray, "pixels 3"]) -> Float64[np.ndarray, " 
 
 
 def _shares(
-    light: Float64[np.ndarray, "height width 3"],
-    luma: Float64[np.ndarray, "height width"],
+    light: Float64[np.ndarray, "pixels 3"],
+    luma: Float64[np.ndarray, " pixels"],
     disc: Float64[np.ndarray, " 3"],
     ground: Float64[np.ndarray, " 3"],
-) -> tuple[Float64[np.ndarray, "height width"], Float64[np.ndarray, "height width"]]:
+) -> tuple[Float64[np.ndarray, " pixels"], Float64[np.ndarray, " pixels"]]:
     """Share of each pixel that is the disc's, and how far its colour is off the line."""
     difference = disc - ground
     square = difference @ difference
@@ -237,18 +232,3 @@ def _stored(light: Float64[np.ndarray, "... 3"]) -> Float64[np.ndarray, "... 3"]
     """Levels of light, of sRGB."""
     curved = 1.055 * np.maximum(light, 0.0031308) ** (1 / 2.4) - 0.055
     return 255 * np.where(light <= 0.0031308, 12.92 * light, curved)
-
-
-def is_whole(disc: Disc) -> bool:
-    """Whether nothing is before a disc.
-
-    Args:
-        disc: The disc.
-
-    Returns:
-        Whether its colour fills its shape.
-    """
-    return disc.hidden < 0.02
-
-
-Mask = Bool[np.ndarray, "height width"]
