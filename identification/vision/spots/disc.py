@@ -17,7 +17,7 @@ by each program in its own way.
 import dataclasses
 
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Bool, Float64, UInt8
 from scipy.special import ndtr
 
 LUMA = np.array([0.114, 0.587, 0.299])
@@ -27,7 +27,11 @@ LINEAR = np.where(_LEVELS <= 0.04045, _LEVELS / 12.92, ((_LEVELS + 0.055) / 1.05
 """Light of each level, of sRGB [1]."""
 _SHARES = np.linspace(-0.25, 1.5, 176)
 _ROUNDS = 5
-_OFF_COLOUR = 0.25
+_OFF_COLOUR = 0.35
+_OFF_COLOUR_EDGE = 0.6
+_EDGE = 4e-3
+_FEW = 8
+_RIM = 4.5
 _LIMIT = 0.35
 _MARGIN = 2.6
 _CLOSE = 3e-3
@@ -93,17 +97,17 @@ def measure(
     centre, scale = np.array(near, float), 1.0
     weight, fitted = np.ones(len(luma)), None
     for turn in range(_ROUNDS):
-        cover, slopes, reach = _coverage(x - centre[0], y - centre[1], scale, shape)
+        cover, slopes, reach, rim = _coverage(x - centre[0], y - centre[1], scale, shape)
         if turn in (0, 1, 3):
-            colours = _colours(light, cover, weight * reach)
+            colours = _colours(light, cover, rim, weight)
             if colours is None:
                 return None
             share, off = _shares(light, luma, *colours)
         model = np.stack([*slopes, cover, np.ones_like(cover)])
-        weight = reach * (off < _OFF_COLOUR)
+        weight = (~_other_colour(off, cover)).astype(float)
         if fitted is not None:
             weight *= np.clip(1.5 - np.abs(share - fitted) / _LIMIT, 0, 1)
-        scaled = model * weight
+        scaled = model * (weight * reach)
         step = np.linalg.solve(scaled @ model.T + 1e-9 * np.eye(5), scaled @ share)
         fitted = step @ model
         move = step[:3] / max(step[3], _LEAST_AMPLITUDE)
@@ -122,25 +126,33 @@ def _judged(
     fitted: Float64[np.ndarray, " pixels"],
     off: Float64[np.ndarray, " pixels"],
     cover: Float64[np.ndarray, " pixels"],
-    reach: Float64[np.ndarray, " pixels"],
+    reach: Bool[np.ndarray, " pixels"],
     centre: Float64[np.ndarray, " 2"],
     scale: float,
     colours: tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]],
 ) -> Disc:
     """What the last round found."""
     error = share - fitted
-    other = (off > _OFF_COLOUR) | (np.abs(error) > _LIMIT)
+    other = _other_colour(off, cover) | (np.abs(error) > _LIMIT)
     hidden = float((cover * other).sum() / cover.sum())
-    good = (reach > 0) & ~other
+    good = reach & ~other
     misfit = float(np.sqrt((error[good] ** 2).mean())) if good.any() else np.inf
     return Disc(centre, scale, hidden, misfit, colours[0])
+
+
+def _other_colour(
+    off: Float64[np.ndarray, " pixels"], cover: Float64[np.ndarray, " pixels"]
+) -> Bool[np.ndarray, " pixels"]:
+    """Which pixels have a third colour; at the edge half of the chroma is the neighbours'."""
+    at_edge = (cover > _EDGE) & (cover < 1 - _EDGE)
+    return off > np.where(at_edge, _OFF_COLOUR_EDGE, _OFF_COLOUR)
 
 
 def _window(
     size: tuple[int, ...], near: Float64[np.ndarray, " 2"], shape: Shape
 ) -> tuple[slice, slice] | None:
     half = np.sqrt((shape.axes**2).sum(axis=1)) * 1.1
-    half = half + np.abs(shape.travel) / 2 + _MARGIN * shape.blur + 2
+    half = half + np.abs(shape.travel) / 2 + _RIM * shape.blur
     low = np.floor(near - half).astype(int)
     high = np.ceil(near + half).astype(int) + 1
     if (low < 0).any() or high[1] > size[0] or high[0] > size[1]:
@@ -156,9 +168,10 @@ def _coverage(
 ) -> tuple[
     Float64[np.ndarray, " pixels"],
     tuple[Float64[np.ndarray, " pixels"], ...],
-    Float64[np.ndarray, " pixels"],
+    Bool[np.ndarray, " pixels"],
+    Bool[np.ndarray, " pixels"],
 ]:
-    """Share of each pixel that the disc covers, its slopes, and where it tells anything.
+    """Share of each pixel that is the disc's, its slopes, where it tells anything, and the rim.
 
     The edge is a straight one to each pixel, as the blur is short beside the radius.
     """
@@ -178,25 +191,29 @@ def _coverage(
         total += ndtr(inside), bell * along_x, bell * along_y, bell / shape.blur
     total /= count
     cover, *slopes = total
-    least = np.exp(-0.5 * _MARGIN**2) / (_SQRT_TAU * shape.blur * count)
-    near_edge = slopes[2] * np.sqrt(abs(np.linalg.det(inverse))) > least
-    return cover, tuple(slopes), ((cover > 0.5) | near_edge).astype(float)
+    # How near the edge is, by the bell: it says so for a disc that moves, too.
+    edge = slopes[2] * (_SQRT_TAU * shape.blur * count * np.sqrt(abs(np.linalg.det(inverse))))
+    reach = (cover > 0.5) | (edge > np.exp(-0.5 * _MARGIN**2))
+    rim = ~reach & (edge > np.exp(-0.5 * _RIM**2))
+    return cover, tuple(slopes), reach, rim
 
 
 def _colours(
     light: Float64[np.ndarray, "pixels 3"],
     cover: Float64[np.ndarray, " pixels"],
+    rim: Bool[np.ndarray, " pixels"],
     weight: Float64[np.ndarray, " pixels"],
 ) -> tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]] | None:
-    """Light of the disc and of what is around it: medians of where the one or other is."""
-    inner, outer = (cover > 0.97) & (weight > 0.5), (cover < 0.08) & (weight > 0.5)
-    if np.count_nonzero(inner) < 8:
+    """Light of the disc and of the rim around it."""
+    inner = (cover > 0.97) & (weight > 0.5)
+    if np.count_nonzero(inner) < _FEW:
         inner = cover > 0.9 * cover.max()
-    if np.count_nonzero(outer) < 8:
-        outer = cover < 0.2
-    if not inner.any() or not outer.any():
+    outer = rim & (weight > 0.5)
+    if np.count_nonzero(outer) < _FEW:
+        outer = rim
+    if not inner.any() or np.count_nonzero(outer) < _FEW:
         return None
-    disc, ground = _centre_of(light[inner]), _centre_of(light[outer])
+    disc, ground = _centre_of(light[inner]), _most_common(light[outer])
     return (disc, ground) if np.linalg.norm(disc - ground) > 0.02 else None
 
 
@@ -205,6 +222,13 @@ def _centre_of(light: Float64[np.ndarray, "pixels 3"]) -> Float64[np.ndarray, " 
     ordered = np.sort(light, axis=0)
     quarter = len(light) // 4
     return ordered[quarter : len(light) - quarter].mean(axis=0)
+
+
+def _most_common(light: Float64[np.ndarray, "pixels 3"]) -> Float64[np.ndarray, " 3"]:
+    """Mean of the pixels about the median: what is beside the plate isn't the ground."""
+    middle = np.median(light, axis=0)
+    apart = np.abs(light - middle).sum(axis=1)
+    return light[apart <= np.median(apart) + 1e-4].mean(axis=0)
 
 
 def _shares(

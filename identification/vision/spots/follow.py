@@ -215,7 +215,7 @@ class Follower:
         """Look for a body that is lost, in the whole picture."""
         found = {k: self._candidates(picture, k, self._looks[k]) for k in members}
         there = {k: candidates for k, candidates in found.items() if candidates}
-        if body == "end_effector" and len(there) < 2:
+        if len(there) < (2 if body == "end_effector" else 1):
             return
         for k, candidate in assign(self.vision, body, there).items():
             seen[k] = candidate.sighting
