@@ -15,6 +15,7 @@ _CERTAIN = 0.3
 _NOISY = 1.0
 _LEVEL = 0.1
 _MOST = 0.3
+_NOTHING = 4.0
 _MOVES = 0.5
 _STAYS = 0.15
 _GAP = 1.5
@@ -61,7 +62,13 @@ def read_clock(time: Time, folder: Path, *, count: int, height: int) -> Clock:
     if time.stamps is None:
         frames = time.first_frame + np.arange(count) / time.frame_rate
     else:
-        frames = _stamps(folder / time.stamps, count)
+        stamps = read_stamps(folder / time.stamps)
+        frames = np.array([stamps.get(k, np.nan) for k in range(count)])
+        if np.count_nonzero(np.isfinite(frames)) < 2:
+            raise ValueError(
+                f"stamps: {time.stamps} has no stamps of these {count} pictures. Frames count "
+                "from 0."
+            )
     if time.stamp_at == FIRST_STAMP:
         frames = frames + (time.exposure + time.readout) / 2
     row_time = time.readout / max(height - 1, 1)
@@ -70,7 +77,18 @@ def read_clock(time: Time, folder: Path, *, count: int, height: int) -> Clock:
     return Clock(frames, row_time, (height - 1) / 2)
 
 
-def _stamps(path: Path, count: int) -> Float64[np.ndarray, " frames"]:
+def read_stamps(path: Path) -> dict[int, float]:
+    """Stamps of pictures.
+
+    Args:
+        path: CSV file with `frame`, from 0, and `t` with its unit.
+
+    Returns:
+        Their times by their places [s].
+
+    Raises:
+        ValueError: If there are none in it.
+    """
     text, fault = read_text(path)
     if fault is not None:
         raise ValueError(f"stamps: {dataclasses.replace(fault, file=str(path))}")
@@ -83,7 +101,7 @@ def _stamps(path: Path, count: int) -> Float64[np.ndarray, " frames"]:
             f"stamps: {path.name}: got the columns {', '.join(header) or 'none'}, expected "
             "`frame` and `t [s]`. Name them so; frames count from 0."
         )
-    frames = np.full(count, np.nan)
+    stamps = {}
     for number, row in enumerate(rows[1:], start=2):
         if not any(cell.strip() for cell in row):
             continue
@@ -95,13 +113,8 @@ def _stamps(path: Path, count: int) -> Float64[np.ndarray, " frames"]:
                 f"stamps: {path.name}, row {number}: got {','.join(row)!r}, expected a whole "
                 f"number of a frame and a time {column[1:].strip()}. Correct the row."
             ) from None
-        if 0 <= frame < count:
-            frames[frame] = units[column](np.array(stamp))
-    if np.count_nonzero(np.isfinite(frames)) < 2:
-        raise ValueError(
-            f"stamps: {path.name} has no stamps of these {count} pictures. Frames count from 0."
-        )
-    return frames
+        stamps[frame] = float(units[column](np.array(stamp)))
+    return stamps
 
 
 def dropped(times: Float64[np.ndarray, " frames"]) -> int:
@@ -139,17 +152,22 @@ def doubled(
         Whether each is.
     """
     certain = change <= _apart(change[1:])
-    step = np.hypot(*np.moveaxis(np.diff(pixels, axis=0), -1, 0))
     stays = np.zeros(len(change), bool)
-    for k in range(1, len(change) - 1):
-        around = np.hypot(*np.moveaxis(pixels[k + 1] - pixels[k - 1], -1, 0))
-        moving = around > 2 * _MOVES
-        still = step[k - 1] < _STAYS * around
-        less = change[k] < _CERTAIN * min(change[k - 1], change[k + 1])
-        stays[k] = bool(less and moving.any() and still[moving].all())
+    for k in range(2, len(change) - 1):
+        quiet = change[k] < min(_NOTHING, _CERTAIN * change[k - 1], _CERTAIN * change[k + 1])
+        stays[k] = quiet and _stayed(pixels[k - 2 : k + 2])
     found = certain | stays
     found[:1] = False
     return found
+
+
+def _stayed(pixels: Float64[np.ndarray, "4 markers 2"]) -> bool:
+    """Whether all that moves before and after a picture, in one direction, stays in it."""
+    before, now, after = np.diff(pixels, axis=0)
+    length = np.minimum(np.hypot(*before.T), np.hypot(*after.T))
+    moving = (length > _MOVES) & ((before * after).sum(axis=1) > 0)
+    still = np.hypot(*now.T) < _STAYS * length
+    return bool(moving.any() and still[moving].all())
 
 
 def _apart(change: Float64[np.ndarray, " pairs"]) -> float:

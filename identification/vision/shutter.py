@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float64
 
 _SIDES = 2
-_APART = 3.6
+_APART = 5.0
 _TIMELESS = 2e-4
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from identification.vision.clock import Clock, doubled, dropped, read_clock
+from identification.vision.clock import Clock, doubled, dropped, read_clock, read_stamps
 from identification.vision.lens import Lens, Marks, calibrate, fit_plane
-from identification.vision.pictures.stream import Frame, Video, pictures
+from identification.vision.pictures.stream import Video, pictures
 from identification.vision.poses import Poses, poses_of, whole_markers
 from identification.vision.settings.document import Vision
 from identification.vision.spots.follow import Follower, Seen
@@ -72,7 +72,7 @@ def track(vision: Vision, folder: Path, *, progress: Progress = SILENT) -> Track
     with pictures(folder / vision.video) as video:
         size = (video.width, video.height)
         lens, notes = lens_of(vision, folder, size, progress.part(0, _LENS_SHARE))
-        read = _read(vision, lens, video, progress.part(_LENS_SHARE, 1.0))
+        read = _read(vision, folder, lens, video, progress.part(_LENS_SHARE, 1.0))
     return _put_together(vision, folder, lens, read, notes)
 
 
@@ -123,9 +123,13 @@ class _Read:
     height: int
 
 
-def _read(vision: Vision, lens: Lens, video: Video, progress: Progress) -> _Read:
+def _read(
+    vision: Vision, folder: Path, lens: Lens, video: Video, progress: Progress
+) -> _Read:
     marks, markers, change, stored = [], [], [], []
     follower, blank = None, 0
+    stamps = {} if vision.time.stamps is None else read_stamps(folder / vision.time.stamps)
+    rate = vision.time.frame_rate or video.rate or 30.0
     for frame in video.frames:
         if follower is None:
             start = first_view(vision, lens, frame.picture)
@@ -137,7 +141,7 @@ def _read(vision: Vision, lens: Lens, video: Video, progress: Progress) -> _Read
             blank += 1
             continue
         marks.append(follower.marks(frame))
-        markers.append(follower.markers(frame, _rough_time(vision, frame, video.rate)))
+        markers.append(follower.markers(frame, stamps.get(frame.number, frame.number / rate)))
         if frame.number % 8 == 0:
             progress(f"picture {frame.number}", frame.number / max(video.count, 1))
     if follower is None:
@@ -161,10 +165,6 @@ def _read(vision: Vision, lens: Lens, video: Video, progress: Progress) -> _Read
 def _nothing(count: int) -> Seen:
     missing = np.full(count, np.nan)
     return Seen(np.full((count, 2), np.nan), missing, missing)
-
-
-def _rough_time(vision: Vision, frame: Frame, rate: float) -> float:
-    return frame.number / (vision.time.frame_rate or rate or 30.0)
 
 
 def _put_together(

@@ -14,6 +14,9 @@ from identification.vision.spots.look import Look, Picture, Sighting
 _HUES = 256 / (2 * math.pi)
 _MOST_STRETCHED = 2.5
 _COARSE = 2
+_FEW = 8
+_NARROWER, _WIDER = -0.2, 0.8
+_POOR = 0.06
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,13 +37,23 @@ class ColouredDisc(Look):
             return None
         patch = picture[low[1] : high[1], low[0] : high[0]]
         area = math.pi * shape.radius**2
-        found = _patches(coloured(patch, self.colour), 0.25 * area, math.inf)
-        for centre in sorted((low + each for each in found), key=_distance_to(near)):
-            if np.abs(centre - near).max() > reach + 0.5 * shape.radius:
+        mask = coloured(patch, self.colour)
+        found = _patches(mask, 0.25 * area, math.inf)
+        for inside in sorted(found, key=lambda each: float(np.hypot(*(low + each - near)))):
+            if np.abs(low + inside - near).max() > reach + 0.5 * shape.radius:
                 break
-            disc = measure(picture, centre, shape)
-            if disc is not None:
-                return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit)
+            seen = _measured(picture, low + inside, shape)
+            if seen is None or seen.misfit > _POOR:
+                # It may move otherwise than was thought.
+                travel = _travel(mask, inside, shape)
+                other = None
+                if travel is not None:
+                    moving = dataclasses.replace(shape, travel=travel)
+                    other = _measured(picture, low + inside, moving)
+                if seen is None or (other is not None and other.misfit < seen.misfit):
+                    seen = other
+            if seen is not None:
+                return seen
         return None
 
     def places(
@@ -84,5 +97,31 @@ def _patches(
     return [np.asarray(centre, float) for centre in centres[1:][good]]
 
 
-def _distance_to(near: Float64[np.ndarray, " 2"]):
-    return lambda centre: float(np.hypot(*(centre - near)))
+def _measured(
+    picture: Picture, near: Float64[np.ndarray, " 2"], shape: Shape
+) -> Sighting | None:
+    disc = measure(picture, near, shape)
+    if disc is None:
+        return None
+    return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit)
+
+
+def _travel(
+    mask: UInt8[np.ndarray, "height width"], inside: Float64[np.ndarray, " 2"], shape: Shape
+) -> Float64[np.ndarray, " 2"] | None:
+    r"""The path during the exposure by which a disc's patch of colour is longer than wide.
+
+    An ellipse with axes $A$ has the second moments $A A^T / 4$, a path $d$ adds $d d^T / 12$.
+    The blurred edge counts as the colour, which adds as much in all directions.
+    """
+    _, labels = opencv().connectedComponents(mask)
+    row, column = np.round(inside[::-1]).astype(int)
+    v, u = np.nonzero((labels == labels[row, column]) & (mask > 0))
+    if len(u) < _FEW:
+        return None
+    usual = shape.axes @ shape.axes.T / 4
+    values, vectors = np.linalg.eigh(np.cov(u, v) - usual)
+    across = values[0] / (0.25 * shape.radius**2)
+    if not _NARROWER < across < _WIDER:
+        return None
+    return np.sqrt(12 * (values[1] - values[0])) * vectors[:, 1]

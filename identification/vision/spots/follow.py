@@ -27,6 +27,10 @@ _REACH = 5.0
 _SPREAD = 0.6
 _LOST_SPREAD = 3.0
 _SHORT_LOSS = 8
+_OTHER_TRAVEL = 0.5
+_TURN = 0.12
+_MOSTLY = 0.5
+_FASTEST = 3.0
 _AREAS = (0.3, 2.0)
 _MISSING = np.full(2, np.nan)
 
@@ -37,8 +41,10 @@ class Trail:
 
     pixel: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=_MISSING.copy)
     """Where it was last [px]."""
+    mean_velocity: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=_MISSING.copy)
+    """How fast it was in the mean since the picture before; NaN if that isn't known [px/s]."""
     velocity: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=lambda: np.zeros(2))
-    """How fast it was [px/s]."""
+    """How fast it was then [px/s]."""
     time: float = 0.0
     """When that was [s]."""
     missed: int = 0
@@ -49,12 +55,27 @@ class Trail:
         """Whether it was ever seen, and not long ago."""
         return bool(np.isfinite(self.pixel[0])) and self.missed <= _SHORT_LOSS
 
+    def velocities(
+        self, pixel: Float64[np.ndarray, " 2"], time: float
+    ) -> tuple[Float64[np.ndarray, " 2"], Float64[np.ndarray, " 2"]]:
+        """How fast it is at its next place, had its acceleration been constant since.
+
+        Args:
+            pixel: The place [px].
+            time: When it is there [s].
+
+        Returns:
+            Its mean velocity since the place before, and the one there [px/s].
+        """
+        if not np.isfinite(self.pixel[0]) or self.missed > 1 or time <= self.time:
+            return _MISSING, np.zeros(2)
+        mean = (pixel - self.pixel) / (time - self.time)
+        change = mean - self.mean_velocity
+        return mean, mean + (0.5 * change if np.isfinite(change[0]) else 0.0)
+
     def moved_to(self, pixel: Float64[np.ndarray, " 2"], time: float) -> None:
         """Take note of where it is now."""
-        if np.isfinite(self.pixel[0]) and self.missed == 0 and time > self.time:
-            self.velocity = (pixel - self.pixel) / (time - self.time)
-        elif self.missed > 0:
-            self.velocity = np.zeros(2)
+        self.mean_velocity, self.velocity = self.velocities(pixel, time)
         self.pixel, self.time, self.missed = pixel, time, 0
 
 
@@ -78,6 +99,8 @@ class Follower:
         self.start = start
         self.trails = [Trail() for _ in vision.markers]
         self.shift = np.zeros(2)
+        self._apart: dict[tuple[int, int], Float64[np.ndarray, " 2"]] = {}
+        self._scale = float(np.sqrt(abs(np.linalg.det(start.view.footprint(np.zeros(3))))))
         self._mark_looks = [look_of(vision, mark) for mark in vision.marks]
         self._looks = [look_of(vision, marker) for marker in vision.markers]
         places = mark_places(vision)
@@ -127,11 +150,11 @@ class Follower:
             self._drop_strangers(body, members, seen)
             if all(seen[k] is None for k in members):
                 self._find(frame.picture, body, members, seen)
-            else:
-                self._carry(members, seen)
+            elif body == "end_effector":
+                self._beside(frame.picture, members, seen)
         for k, trail in enumerate(self.trails):
             sighting = seen[k]
-            if sighting is None:
+            if sighting is None or sighting.hidden > _MOSTLY:
                 trail.missed += 1
             elif frame.change >= _STILL or np.hypot(*trail.velocity) < _STILL:
                 # A doubled picture shows nothing of how fast it moves.
@@ -146,10 +169,18 @@ class Follower:
         travel = trail.velocity * self.vision.time.exposure
         shape = self._shape(k, near, travel)
         reach = _REACH + _SPREAD * float(np.hypot(*step)) + _LOST_SPREAD * trail.missed
+        if not np.isfinite(trail.mean_velocity[0]) and trail.time > 0:
+            reach += _FASTEST * (time - trail.time) * self._scale
         sighting = self._looks[k].at(picture, near, shape, reach)
-        if sighting is None or self._is_strange(sighting):
+        if sighting is None:
             return None
-        return sighting
+        travel = trail.velocities(sighting.centre, time)[1] * self.vision.time.exposure
+        if np.abs(travel - shape.travel).max() > _OTHER_TRAVEL:
+            # It goes faster or slower than it was expected to, so its blur is another.
+            shape = dataclasses.replace(shape, travel=travel)
+            again = self._looks[k].at(picture, sighting.centre, shape, _REACH)
+            sighting = again or sighting
+        return None if self._is_strange(sighting) else sighting
 
     def _shape(
         self,
@@ -183,18 +214,25 @@ class Follower:
             if rigid_pose(at, places).residual.max() > 2 * FARTHEST:
                 self._forget(there, seen)
 
-    def _carry(self, members: Sequence[int], seen: list[Sighting | None]) -> None:
-        """Markers that aren't seen go with those of their body that are."""
-        moved = [
-            seen[k].centre - self.trails[k].pixel
-            for k in members
-            if seen[k] is not None and np.isfinite(self.trails[k].pixel[0])
-        ]
+    def _beside(
+        self, picture: Picture, members: Sequence[int], seen: list[Sighting | None]
+    ) -> None:
+        """Look for markers that are lost beside those of their body that aren't."""
+        there = [k for k in members if seen[k] is not None and seen[k].is_whole]
         for k in members:
-            if seen[k] is None and moved and self.trails[k].is_known:
-                self.trails[k].pixel = self.trails[k].pixel + np.mean(moved, axis=0)
-                self.trails[k].velocity = np.zeros(2)
-                self.trails[k].missed = 0
+            for j in there:
+                if seen[k] is not None or (k, j) not in self._apart:
+                    break
+                near = seen[j].centre + self._apart[k, j]
+                travel = self.trails[j].velocity * self.vision.time.exposure
+                reach = _REACH + _TURN * float(np.hypot(*self._apart[k, j]))
+                found = self._looks[k].at(picture, near, self._shape(k, near, travel), reach)
+                if found is not None and found.is_whole and not self._is_strange(found):
+                    seen[k] = found
+                    self.trails[k] = Trail()
+        for k in there:
+            for j in there:
+                self._apart[k, j] = seen[k].centre - seen[j].centre
 
     def _forget(self, members: Sequence[int], seen: list[Sighting | None]) -> None:
         for k in members:
@@ -219,7 +257,7 @@ class Follower:
             return
         for k, candidate in assign(self.vision, body, there).items():
             seen[k] = candidate.sighting
-            self.trails[k] = Trail(pixel=candidate.sighting.centre)
+            self.trails[k] = Trail()
 
     def _candidates(self, picture: Picture, k: int, look: Look) -> list[Candidate]:
         middle = np.array(picture.shape[1::-1]) / 2
