@@ -15,6 +15,7 @@ VERBS: dict[str, dict[str, str]] = {
     "identification": {
         "identify": "the robot's parameters with their uncertainty: parameters.json",
         "identify-drive": "one motor-driven axis: inertia, friction, offset from a log",
+        "track": "poses from a video of the rig: camera.csv",
         "frequencies": "natural frequency and damping of every knock: frequencies.csv",
         "design": "which experiment next: the run that narrows an interval the most a second",
     },

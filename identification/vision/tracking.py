@@ -23,6 +23,7 @@ from identification.vision.spots.marks import (
     require_fit,
 )
 from identification.vision.tripod import mean_marks, shake_of
+from identification.vision.uncertainty import Sigma, sigma_of
 from scdpr_jax.numerics.progress import SILENT, Progress
 
 _LENS_SHARE = 0.05
@@ -39,6 +40,8 @@ class Tracked:
     """What the bodies did."""
     marks: Marks
     """The marks' plane."""
+    sigma: Sigma
+    """How far the poses may be off."""
     start: Start
     """What the first picture with enough marks told."""
     mark_pixels: Float64[np.ndarray, "frames marks 2"]
@@ -53,6 +56,14 @@ class Tracked:
     """Pictures that were dropped, by the stamps."""
     warnings: tuple[str, ...]
     """What should be known of them."""
+
+    @property
+    def posed(self) -> int:
+        """Pictures in which every body that has markers has a pose."""
+        columns = [each for each in self.poses.values.values() if np.isfinite(each).any()]
+        if not columns:
+            return 0
+        return int(np.isfinite(columns).all(axis=0).sum())
 
 
 def track(vision: Vision, folder: Path, *, progress: Progress = SILENT) -> Tracked:
@@ -123,9 +134,7 @@ class _Read:
     height: int
 
 
-def _read(
-    vision: Vision, folder: Path, lens: Lens, video: Video, progress: Progress
-) -> _Read:
+def _read(vision: Vision, folder: Path, lens: Lens, video: Video, progress: Progress) -> _Read:
     marks, markers, change, stored = [], [], [], []
     follower, blank = None, 0
     stamps = {} if vision.time.stamps is None else read_stamps(folder / vision.time.stamps)
@@ -176,7 +185,8 @@ def _put_together(
     pixels = np.array([each.pixel for each in read.markers])
     again = doubled(read.change, pixels)
     shake = shake_of(mark_pixels, clock, ~again & np.isfinite(mark_pixels[..., 0]).any(axis=1))
-    marks = _plane(vision, lens, mean_marks(mark_pixels[~again], shake[~again]))
+    mean = mean_marks(mark_pixels[~again], shake[~again])
+    marks = _plane(vision, lens, mean)
     whole = whole_markers(
         pixels,
         np.array([each.scale for each in read.markers]),
@@ -189,6 +199,7 @@ def _put_together(
         clock,
         poses,
         marks,
+        sigma_of(vision, marks, mean, poses),
         read.start,
         mark_pixels,
         pixels,

@@ -130,7 +130,12 @@ def shoot(film, folder, *, videos=("avi",), boards=0):
 def document(film, random, *, boards, stamped):
     """A film's `vision.toml`, clicked by a hand that isn't steady."""
     camera = film.camera
-    lines = ["format = 1", 'video = "video.avi"', f'frame_height = "{1e3 * HEIGHT:g} mm"', "[time]"]
+    lines = [
+        "format = 1",
+        'video = "video.avi"',
+        f'frame_height = "{1e3 * HEIGHT:g} mm"',
+        "[time]",
+    ]
     lines += ['stamps = "frames.csv"'] if stamped else [f'frame_rate = "{film.rate:g} Hz"']
     lines += [
         f'first_frame = "{film.begin} s"',
@@ -155,10 +160,20 @@ def document(film, random, *, boards, stamped):
         if camera.upside_down:
             pixel = np.array(camera.size) - 1 - pixel
         near = np.round(pixel + random.uniform(-5, 5, 2)).tolist()
-        lines += ["[[marks]]", f'name = "{name}"', f'x = "{1e3 * x:g} mm"', f'y = "{1e3 * y:g} mm"']
+        lines += [
+            "[[marks]]",
+            f'name = "{name}"',
+            f'x = "{1e3 * x:g} mm"',
+            f'y = "{1e3 * y:g} mm"',
+        ]
         lines += ['colour = "yellow"', 'diameter = "44 mm"', f"near = {near}"]
     for body, x, y, colour in MARKERS:
-        lines += ["[[markers]]", f'body = "{body}"', f'x = "{1e3 * x:g} mm"', f'y = "{1e3 * y:g} mm"']
+        lines += [
+            "[[markers]]",
+            f'body = "{body}"',
+            f'x = "{1e3 * x:g} mm"',
+            f'y = "{1e3 * y:g} mm"',
+        ]
         lines += ['depth = "20 mm"', f'colour = "{colour}"', 'diameter = "40 mm"']
     return "\n".join(lines) + "\n"
 
@@ -181,16 +196,18 @@ def _photograph(camera, folder, count, random):
 
 
 def board_light(rays, turn, place):
-    """A chessboard on a wall, by 9 pieces of each pixel."""
-    inner = (np.arange(3) + 0.5) / 3 - 0.5
-    total = np.zeros(rays.ray.shape[:2])
-    for du in inner:
-        for dv in inner:
-            seen = rays.ray + du * rays.ray_u + dv * rays.ray_v
-            direction = np.concatenate([seen, np.ones((*seen.shape[:2], 1))], -1) @ turn
-            eye = -turn.T @ place
-            at = eye[:2] - direction[..., :2] * (eye[2] / direction[..., 2])[..., None]
-            square = np.floor(at / 0.04).astype(int) + 1
-            on = (square >= 0).all(-1) & (square[..., 0] < 10) & (square[..., 1] < 7)
-            total += np.where(on & (square.sum(-1) % 2 == 0), 0.03, np.where(on, 0.75, 0.6))
-    return np.repeat((total / 9)[..., None], 3, -1)
+    """A chessboard on a wall: edges are ramps as wide as a pixel, which no side prefers."""
+    direction = np.concatenate([rays.ray, np.ones((*rays.ray.shape[:2], 1))], -1) @ turn
+    eye = -turn.T @ place
+    at = eye[:2] - direction[..., :2] * (eye[2] / direction[..., 2])[..., None]
+    squares = at / 0.04 + 1
+    # How many squares a pixel goes on along each of the board's axes.
+    wide = np.hypot(np.gradient(squares, axis=0), np.gradient(squares, axis=1))
+    whole = np.floor(squares)
+    off = np.abs(squares - np.round(squares)) / wide
+    wave = (1 - 2 * (whole % 2)) * np.clip(2 * off, 0, 1)
+    on = (squares > -0.5).all(-1) & (squares[..., 0] < 10.5) & (squares[..., 1] < 7.5)
+    inside = (squares > 0).all(-1) & (squares[..., 0] < 10) & (squares[..., 1] < 7)
+    checker = 0.39 - 0.36 * wave.prod(-1)
+    light = np.where(inside, checker, np.where(on, 0.75, 0.6))
+    return np.repeat(light[..., None], 3, -1)

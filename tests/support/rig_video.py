@@ -62,7 +62,9 @@ def motion(film):
     random = np.random.default_rng(film.seed + 77)
     long = film.frames / film.rate
     count = max(2, int(long / 1.2))
-    times = film.begin + 0.25 + (np.arange(count) + random.uniform(0, 0.2, count)) * long / count
+    times = (
+        film.begin + 0.25 + (np.arange(count) + random.uniform(0, 0.2, count)) * long / count
+    )
     ends = 0.35 + 1.5 * ((np.arange(count + 1) % 2) * 0.6 + 0.2 * random.random(count + 1))
     height = random.uniform(0.25, 0.8)
     rise = random.uniform(-0.1, 0.1)
@@ -108,7 +110,9 @@ def marker_places(coordinates):
         elif body == "lower_carriage":
             places.append((coordinates["q_3"] + x, np.full_like(coordinates["q_3"], y)))
         else:
-            places.append((coordinates["q_4"] + x, np.full_like(coordinates["q_4"], HEIGHT + y)))
+            places.append(
+                (coordinates["q_4"] + x, np.full_like(coordinates["q_4"], HEIGHT + y))
+            )
     return np.array([np.stack(each, -1) for each in places])
 
 
@@ -143,7 +147,9 @@ class Renderer:
         )
         for name in self.film.marks:
             self._plate(light, t, lambda s, at=MARKS[name]: np.array(at), 0.034, 0.034, 0.0)
-            self._disc(light, t, lambda s, at=MARKS[name]: np.array(at), 0.0, MARK_RADIUS, "yellow")
+            self._disc(
+                light, t, lambda s, at=MARKS[name]: np.array(at), 0.0, MARK_RADIUS, "yellow"
+            )
 
         def end_effector(s):
             c = self.coordinates(s)
@@ -157,7 +163,9 @@ class Renderer:
 
             if body != "end_effector":
                 lower = 0.02 if body == "lower_carriage" else -0.02
-                self._plate(light, t, lambda s, c=centre, d=lower: c(s) + [0, d], 0.055, 0.05, DEPTH)
+                self._plate(
+                    light, t, lambda s, c=centre, d=lower: c(s) + [0, d], 0.055, 0.05, DEPTH
+                )
             self._disc(light, t, centre, DEPTH, MARKER_RADIUS, colour)
         if self.film.arm:
             self._arm(light, t)
@@ -170,7 +178,9 @@ class Renderer:
         """Share of each marker that the arm leaves."""
         if not self.film.arm:
             return np.ones(len(MARKERS))
-        angle, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 40), np.sqrt(np.linspace(0, 1, 12)))
+        angle, radius = np.meshgrid(
+            np.linspace(0, 2 * np.pi, 40), np.sqrt(np.linspace(0, 1, 12))
+        )
         disc = MARKER_RADIUS * np.stack([radius * np.cos(angle), radius * np.sin(angle)], -1)
         shares = []
         for k in range(len(MARKERS)):
@@ -179,7 +189,9 @@ class Renderer:
             # Hidden in a part of the exposure is hidden.
             for s in when + np.linspace(-0.5, 0.5, 5) * self.camera.exposure:
                 at = marker_places(self.coordinates(s))[k] + disc
-                seen = self.camera.pixels(np.concatenate([at, np.full((*at.shape[:2], 1), DEPTH)], -1))
+                seen = self.camera.pixels(
+                    np.concatenate([at, np.full((*at.shape[:2], 1), DEPTH)], -1)
+                )
                 covered |= self._arm_distance(seen, s) < 3.0
             shares.append(1 - covered.mean())
         return np.array(shares)
@@ -198,7 +210,9 @@ class Renderer:
 
     def _times(self, rows, t):
         """Instants of the exposure of rows: rows by instants."""
-        return t + self.camera.row_time(np.arange(rows.start, rows.stop))[:, None] + self.instants
+        return (
+            t + self.camera.row_time(np.arange(rows.start, rows.stop))[:, None] + self.instants
+        )
 
     def _box(self, t, centre, half, depth):
         around = t + np.linspace(-0.5, 0.5, 5) * (self.camera.readout + self.camera.exposure)
@@ -221,7 +235,9 @@ class Renderer:
         for channel, share in enumerate((-1, 0, 1)):
             cover = 0.0
             for j in range(times.shape[1]):
-                shift = self.shift(times[:, j])[:, None] + share * self.camera.lateral * from_middle
+                shift = (
+                    self.shift(times[:, j])[:, None] + share * self.camera.lateral * from_middle
+                )
                 places = self.sight.places(rows, columns, depth, shift[:, :, None])
                 at = np.broadcast_to(centre(times[:, j]), (len(times), 2))[:, None, None]
                 cover = cover + (((places - at) ** 2).sum(-1) < radius**2).mean(-1)
@@ -259,7 +275,9 @@ class Renderer:
         root = np.stack([width * (0.3 + 0.1 * np.sin(phase)), height * (1.2 + 0 * phase)], -1)
         along = tip - root
         s = np.clip(((pixels - root) * along).sum(-1) / (along * along).sum(-1), 0, 1)
-        return np.hypot(*np.moveaxis(pixels - root - s[..., None] * along, -1, 0)) - 0.035 * width
+        return (
+            np.hypot(*np.moveaxis(pixels - root - s[..., None] * along, -1, 0)) - 0.035 * width
+        )
 
     def _arm(self, light, t):
         v, u = np.mgrid[: self.camera.size[1], : self.camera.size[0]]
@@ -272,15 +290,23 @@ class Renderer:
         width, height = self.camera.size
         light = np.ones((height, width, 3)) * WALL
         noise = self.random.normal(0, 1, (height // 40 + 2, width // 40 + 2))
-        light *= 1 + 0.03 * cv2.resize(noise, (width, height), interpolation=cv2.INTER_CUBIC)[..., None]
+        light *= (
+            1
+            + 0.03
+            * cv2.resize(noise, (width, height), interpolation=cv2.INTER_CUBIC)[..., None]
+        )
         tones = [*COLOURS.values()]
         for k in range(self.film.clutter):
             at = self.random.uniform([0, 0], [width, height])
             size = self.random.uniform(0.008, 0.03, 2) * width
-            tone = np.array(tones[k % 4]) * self.random.uniform(0.4, 1.3) + self.random.uniform(0, 0.15)
+            tone = np.array(tones[k % 4]) * self.random.uniform(0.4, 1.3) + self.random.uniform(
+                0, 0.15
+            )
             angle = self.random.uniform(0, 180)
             if k % 2:
-                cv2.ellipse(light, at.astype(int), size.astype(int), angle, 0, 360, tone.tolist(), -1)
+                cv2.ellipse(
+                    light, at.astype(int), size.astype(int), angle, 0, 360, tone.tolist(), -1
+                )
             else:
                 box = cv2.boxPoints((at.tolist(), (2 * size).tolist(), angle)).astype(int)
                 cv2.fillPoly(light, [box], tone.tolist())
@@ -292,7 +318,9 @@ def developed(camera, light, random):
     height, width = light.shape[:2]
     light = cv2.GaussianBlur(light, (0, 0), camera.blur)
     x, y = np.linspace(-1, 1, width), np.linspace(-1, 1, height)[:, None]
-    light = light * (camera.gain * (1 + 0.12 * x - 0.08 * y - 0.12 * (x * x + y * y)))[..., None]
+    light = (
+        light * (camera.gain * (1 + 0.12 * x - 0.08 * y - 0.12 * (x * x + y * y)))[..., None]
+    )
     raw = np.empty((height, width))
     raw[0::2, 0::2], raw[1::2, 1::2] = light[0::2, 0::2, 2], light[1::2, 1::2, 0]
     raw[0::2, 1::2], raw[1::2, 0::2] = light[0::2, 1::2, 1], light[1::2, 0::2, 1]
@@ -327,9 +355,26 @@ def write_avi(path, pictures, size, rate):
         "<14I", int(1e6 / rate), 0, 0, 16, count, 0, 1, 0, width, height, 0, 0, 0, 0
     )
     stream = b"vidsMJPG" + struct.pack(
-        "<I2H8I4H", 0, 0, 0, 0, 1000, int(1000 * rate), 0, count, 1 << 20, 0xFFFFFFFF, 0, 0, 0, width, height
+        "<I2H8I4H",
+        0,
+        0,
+        0,
+        0,
+        1000,
+        int(1000 * rate),
+        0,
+        count,
+        1 << 20,
+        0xFFFFFFFF,
+        0,
+        0,
+        0,
+        width,
+        height,
     )
-    form = struct.pack("<I2i2H4sI4i", 40, width, height, 1, 24, b"MJPG", width * height * 3, 0, 0, 0, 0)
+    form = struct.pack(
+        "<I2i2H4sI4i", 40, width, height, 1, 24, b"MJPG", width * height * 3, 0, 0, 0, 0
+    )
     lists = chunk(b"LIST", b"strl" + chunk(b"strh", stream) + chunk(b"strf", form))
     head = chunk(b"LIST", b"hdrl" + chunk(b"avih", header) + lists)
     movie, index, place = b"movi", b"", 4

@@ -1,10 +1,11 @@
 """The lens from photos of a chessboard."""
 
+import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float32, UInt8
+from jaxtyping import Float32, Float64, UInt8
 
 from identification.vision.lens.lens import Lens
 from identification.vision.pictures.opencv import opencv
@@ -124,9 +125,43 @@ def _fitted(
     result = cv2.calibrateCameraExtended(boards, corners, size, None, None)
     rms, matrix, distortion, _, _, errors = result[:6]
     k3, error = distortion.ravel()[4], np.ravel(errors)[8]
+    fitted = 9
     if abs(k3) < _SIGNIFICANT * error:
+        fitted = 8
         result = cv2.calibrateCameraExtended(
             boards, corners, size, None, None, flags=cv2.CALIB_FIX_K3
         )
-        rms, matrix, distortion = result[:3]
-    return Lens(np.asarray(matrix, float), np.asarray(distortion, float).ravel(), float(rms))
+    rms, matrix, distortion, turns, places = result[:5]
+    lens = Lens(np.asarray(matrix, float), np.asarray(distortion, float).ravel(), float(rms))
+    poses = list(zip(turns, places, strict=True))
+    deviations = _deviations(lens, board, poses, fitted, float(rms))
+    return dataclasses.replace(lens, deviations=deviations)
+
+
+def _deviations(
+    lens: Lens,
+    board: Float32[np.ndarray, "corners 3"],
+    poses: Sequence[tuple[np.ndarray, np.ndarray]],
+    fitted: int,
+    rms: float,
+) -> Float64[np.ndarray, "directions parameters"]:
+    """A square root of the lens's covariance, the boards' poses eliminated.
+
+    OpenCV gives standard errors alone. A principal point that is off goes with a camera that
+    is turned, so what is left of both in a place is far less than these would have it.
+    """
+    normal = np.zeros((fitted, fitted))
+    for turn, place in poses:
+        _, jacobian = opencv().projectPoints(
+            board.astype(float), turn, place, lens.matrix, lens.distortion
+        )
+        pose, inner = jacobian[:, :6], jacobian[:, 6 : 6 + fitted]
+        free = inner - pose @ np.linalg.lstsq(pose, inner, rcond=None)[0]
+        normal += free.T @ free
+    # The rms is of distances, a coordinate's is less by the root of two.
+    scale = np.sqrt(np.diag(normal))
+    values, vectors = np.linalg.eigh(normal / np.outer(scale, scale))
+    spread = vectors / np.sqrt(np.maximum(values, 1e-15)) / scale[:, None]
+    deviations = np.zeros((fitted, 9))
+    deviations[:, :fitted] = rms / np.sqrt(2) * spread.T
+    return deviations

@@ -21,13 +21,35 @@ class Lens:
     """k1, k2, p1, p2, k3, … [1]."""
     rms: float | None = None
     """Root mean square of the board's corners about the fit [px]; None if it was stated."""
+    deviations: Float64[np.ndarray, "directions parameters"] = dataclasses.field(
+        default_factory=lambda: np.zeros((0, 9))
+    )
+    """A square root of the fit's covariance: each row is a standard deviation, all of them
+    independent, of fx, fy, cx, cy and the first five terms of the distortion."""
 
     @property
     def focal_length(self) -> float:
         """Mean focal length [px]."""
         return float(np.sqrt(self.matrix[0, 0] * self.matrix[1, 1]))
 
-    def directions(self, pixels: Float64[np.ndarray, "*many 2"]) -> Float64[np.ndarray, "*many 2"]:
+    def deviated(self, direction: int) -> "Lens":
+        """The lens as it might be, too.
+
+        Args:
+            direction: Which of `deviations`.
+
+        Returns:
+            The lens a standard deviation away.
+        """
+        change = self.deviations[direction]
+        matrix, distortion = self.matrix.copy(), self.distortion.copy()
+        matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += change[:4]
+        distortion[:5] += change[4 : 4 + len(distortion[:5])]
+        return Lens(matrix, distortion, self.rms)
+
+    def directions(
+        self, pixels: Float64[np.ndarray, "*many 2"]
+    ) -> Float64[np.ndarray, "*many 2"]:
         """Where pixels look, at unit distance before the camera.
 
         Args:
@@ -48,9 +70,7 @@ class Lens:
         )
         return np.where(seen, found, np.nan).reshape(np.shape(pixels))
 
-    def pixels(
-        self, points: Float64[np.ndarray, "*many 3"]
-    ) -> Float64[np.ndarray, "*many 2"]:
+    def pixels(self, points: Float64[np.ndarray, "*many 3"]) -> Float64[np.ndarray, "*many 2"]:
         """Where points before the camera are seen.
 
         Args:

@@ -52,7 +52,9 @@ def fit_plane(
     Returns:
         The fit.
     """
-    fits = [_refined(lens, places, seen, radius, start) for start in _starts(lens, places, seen)]
+    fits = [
+        _refined(lens, places, seen, radius, start) for start in _starts(lens, places, seen)
+    ]
     before = [fit for fit in fits if _eye(fit.view)[2] > places[:, 2].max()]
     return min(before or fits, key=lambda fit: fit.rms)
 

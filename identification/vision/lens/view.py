@@ -22,9 +22,7 @@ class View:
     translation: Float64[np.ndarray, " 3"]
     """The frame's origin in the camera's coordinates [m]."""
 
-    def pixels(
-        self, places: Float64[np.ndarray, "*many 3"]
-    ) -> Float64[np.ndarray, "*many 2"]:
+    def pixels(self, places: Float64[np.ndarray, "*many 3"]) -> Float64[np.ndarray, "*many 2"]:
         """Where places are seen.
 
         Args:

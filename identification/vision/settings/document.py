@@ -91,9 +91,12 @@ class Calibration(_Table):
     photos: str | list[str] | None = Field(None, examples=["board/*.jpg"])
     inner_corners: tuple[int, int] | None = Field(None, examples=["[9, 6]"])
     square: PositiveMetres | None = Field(None, examples=["40 mm"])
-    matrix: tuple[
-        tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]
-    ] | None = Field(None, examples=["[[1250, 0, 816], [0, 1250, 612], [0, 0, 1]]"])
+    matrix: (
+        tuple[
+            tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]
+        ]
+        | None
+    ) = Field(None, examples=["[[1250, 0, 816], [0, 1250, 612], [0, 0, 1]]"])
     distortion: list[float] = Field([], examples=["[-0.11, 0.045, 0, 0, 0]"])
 
     @model_validator(mode="after")

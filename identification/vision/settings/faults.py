@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from identification.campaign.faults import Fault
+from identification.campaign.faults import Fault, listed
 from identification.campaign.quantities import QuantityError
 
 _HEADING = re.compile(r"\s*(\[{1,2})\s*([^\[\]]+?)\s*\]{1,2}")
@@ -20,7 +20,8 @@ class VisionError(ValueError):
         self.faults = tuple(faults)
         """Every fault that was found."""
         number = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        super().__init__("\n".join([f"{path}: {number}.", *(f"  {each}" for each in faults)]))
+        shown = listed(faults, file=path.name)
+        super().__init__("\n".join([f"{path}: {number}.", *(f"  {each}" for each in shown)]))
 
 
 def document_faults(
@@ -37,7 +38,11 @@ def document_faults(
     Yields:
         A fault for each.
     """
+    empty = []
     for problem in error.errors(include_url=False):
+        if problem["input"] == "":
+            empty.append(problem["loc"])
+            continue
         path = [part for part in problem["loc"] if part not in ("str", "list[str]")]
         table, name = _field_of(model, path)
         yield Fault(
@@ -45,6 +50,15 @@ def document_faults(
             row=row_of(text, path),
             key=key_of(path),
             **_words(problem, table, name),
+        )
+    if empty:
+        yield Fault(
+            file=file,
+            row=row_of(text, empty[0]),
+            key=key_of(empty[0]),
+            what="empty" if len(empty) == 1 else f"empty, and so are {len(empty) - 1} more",
+            expected="what is said behind it, with its unit",
+            remedy=f"Fill in {', '.join(key_of(each) for each in empty)}.",
         )
 
 
@@ -131,7 +145,7 @@ def _words(problem: Any, table: Any, name: str) -> dict[str, str]:
             "what": "an unknown key",
             "got": repr(name),
             "expected": f"one of {', '.join(table.model_fields)}",
-            "remedy": f'The nearest known key is "{near}"; delete the line if that isn\'t meant.',
+            "remedy": f'Is it "{near}"? Delete the line if that isn\'t meant.',
         }
     if problem["type"] == "missing":
         return {

@@ -85,7 +85,7 @@ def _contradictions(vision: Vision) -> Iterator[Fault]:
                     key=f"{kind} {number}.near",
                     got="no such key",
                     expected="near = [154, 962], its pixel, roughly",
-                    remedy="Read it off a picture, or let `scdpr track VIDEO --propose` find it.",
+                    remedy="Read it off a picture; `scdpr track VIDEO --propose` finds it.",
                 )
     yield from _body_faults(vision)
     yield from _tag_faults(vision)

@@ -17,6 +17,7 @@ _COARSE = 2
 _FEW = 8
 _NARROWER, _WIDER = -0.2, 0.8
 _POOR = 0.06
+_TRAVELS = (0.6, 1.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,12 +47,11 @@ class ColouredDisc(Look):
             if seen is None or seen.misfit > _POOR:
                 # It may move otherwise than was thought.
                 travel = _travel(mask, inside, shape)
-                other = None
-                if travel is not None:
-                    moving = dataclasses.replace(shape, travel=travel)
+                for share in () if travel is None else _TRAVELS:
+                    moving = dataclasses.replace(shape, travel=share * travel)
                     other = _measured(picture, low + inside, moving)
-                if seen is None or (other is not None and other.misfit < seen.misfit):
-                    seen = other
+                    if seen is None or (other is not None and other.misfit < seen.misfit):
+                        seen = other
             if seen is not None:
                 return seen
         return None

@@ -3,11 +3,11 @@ r"""One coloured disc in a picture, by its shape.
 What is known of a disc is much: where it about is, its diameter, how the camera sees a piece
 of the plane there, how far it moves during the exposure. So its picture is known but for its
 place, and the place is what makes the sum over pixels of
-$w_k (a_k - b - c\,m_k(u, v, \rho))^2$ least: $a_k$ is the share of pixel $k$ that is the disc's
-colour, $m_k$ the share that a disc of centre $(u, v)$ and relative radius $\rho$ covers, blurred
-by the lens and by its motion. The centroid of the disc's colour would be simpler, and takes
-in whatever of like colour is near, and what an arm before the disc leaves of it; here pixels
-of a third colour, and those that disagree, have no weight.
+$w_k (a_k - b - c\,m_k(u, v, \rho))^2$ least: $a_k$ is the share of pixel $k$ that is the
+disc's colour, $m_k$ the share that a disc of centre $(u, v)$ and relative radius $\rho$
+covers, blurred by the lens and by its motion. The centroid of the disc's colour would be
+simpler, and takes in whatever of like colour is near, and what an arm before the disc leaves
+of it; here pixels of a third colour, and those that disagree, have no weight.
 
 Shares are told by the luma, through the colours of the disc and of what is around it, in linear
 light. The chroma of most videos has half of the pixels, and is shifted by up to 0.1 px,

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from identification.vision.pictures.stream import Frame
-from identification.vision.settings.document import Marker, Vision
+from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import (
     FARTHEST,
     Candidate,
@@ -18,7 +18,7 @@ from identification.vision.spots.bodies import (
 )
 from identification.vision.spots.disc import Shape
 from identification.vision.spots.look import Look, Picture, Sighting
-from identification.vision.spots.marks import Start, look_of, mark_places
+from identification.vision.spots.marks import STILL, Start, look_of, mark_places
 
 _STILL = 1.0
 _STRANGE_SCALE = 0.2
@@ -186,7 +186,7 @@ class Follower:
         self,
         k: int,
         pixel: Float64[np.ndarray, " 2"],
-        travel: Float64[np.ndarray, " 2"] = np.zeros(2),
+        travel: Float64[np.ndarray, " 2"] = STILL,
     ) -> Shape:
         marker = self.vision.markers[k]
         place = self.start.view.places(pixel, marker.depth)
@@ -243,9 +243,7 @@ class Follower:
         self, pixels: Sequence[Float64[np.ndarray, " 2"]], members: Sequence[int]
     ) -> Float64[np.ndarray, "markers 2"]:
         depth = np.array([self.vision.markers[k].depth for k in members])
-        return self.start.view.places(
-            np.reshape(np.array(pixels), (-1, 2)) - self.shift, depth
-        )
+        return self.start.view.places(np.reshape(np.array(pixels), (-1, 2)) - self.shift, depth)
 
     def _find(
         self, picture: Picture, body: str, members: Sequence[int], seen: list[Sighting | None]

@@ -16,6 +16,8 @@ from identification.vision.spots.tags import Tag, tag_size
 
 MOST_RMS = 1.0
 """Marks that are further from where they are said to be are another rig [px]."""
+STILL = np.zeros(2)
+"""Path of what doesn't move [px]."""
 _LEAST = 4
 _BLURS = (0.6, 0.75, 0.9, 1.05, 1.25, 1.5, 1.8, 2.2)
 _CLICK = 25.0
@@ -37,7 +39,7 @@ class Start:
         self,
         spot: Mark | Marker,
         place: Float64[np.ndarray, " 3"],
-        travel: Float64[np.ndarray, " 2"] = np.zeros(2),
+        travel: Float64[np.ndarray, " 2"] = STILL,
     ) -> Shape:
         """What a mark or marker looks like at a place.
 
@@ -120,7 +122,10 @@ def first_view(vision: Vision, lens: Lens, picture: Picture) -> Start | None:
         if np.count_nonzero(whole) < _LEAST:
             return None
         clicks = np.array(
-            [click if each is None else each.centre for click, each in zip(clicks, sightings, strict=True)]
+            [
+                click if each is None else each.centre
+                for click, each in zip(clicks, sightings, strict=True)
+            ]
         )
         fit = fit_plane(lens, places[whole], clicks[whole], radii[whole])
         start = dataclasses.replace(start, view=fit.view)
@@ -147,8 +152,9 @@ def require_fit(vision: Vision, fit: Marks, kept: Sequence[int]) -> None:
     listing = ", ".join(f"{names[k]} {off[k]:.1f} px" for k in order)
     raise ValueError(
         f"marks: they are {fit.rms:.1f} px (rms) from where they are said to be, expected at "
-        f"most {MOST_RMS:g} px: {listing}. Measure x and y of the first ones again, see whether "
-        "`near` points at the right discs, and whether the photos of the board are of this lens."
+        f"most {MOST_RMS:g} px: {listing}. Measure x and y of the first ones again, see "
+        "whether `near` points at the right discs, and whether the photos of the board are of "
+        "this lens."
     )
 
 
