@@ -16,6 +16,7 @@ _NOISY = 1.0
 _LEVEL = 0.1
 _MOST = 0.3
 _NOTHING = 4.0
+_COPY = 0.5
 _MOVES = 0.5
 _STAYS = 0.15
 _GAP = 1.5
@@ -177,6 +178,7 @@ def _apart(change: Float64[np.ndarray, " pairs"]) -> float:
     if len(few) < 2:
         return -1.0
     ratios = (few[1:] + _LEVEL) / (few[:-1] + _LEVEL)
+    ratios[few[:-1] > _COPY] = 0.0
     gap = int(np.argmax(ratios))
     stands_apart = ratios[gap] * _CERTAIN > 1 and few[gap + 1] > _NOISY
     return float(few[gap]) if stands_apart else -1.0

@@ -135,5 +135,6 @@ def _text(
 ) -> None:
     place = (int(at[0]), int(at[1]))
     font = cv2.FONT_HERSHEY_SIMPLEX
-    cv2.putText(picture, words, place, font, 0.6, (0, 0, 0), 3, cv2.LINE_AA)
+    shadow = (place[0] + 1, place[1] + 1)
+    cv2.putText(picture, words, shadow, font, 0.6, (0, 0, 0), 1, cv2.LINE_AA)
     cv2.putText(picture, words, place, font, 0.6, colour, 1, cv2.LINE_AA)

@@ -16,6 +16,7 @@ COLUMNS = ("x_e", "y_e", "delta_e", "q_3", "q_4")
 """Columns of `camera.csv` after the time."""
 _OFF_BODY = 1.5e-3
 _SCALE = 0.05
+_ROUNDS = 6
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,6 +80,35 @@ def poses_of(
     Returns:
         The poses.
     """
+    whole = whole.copy()
+    for _ in range(_ROUNDS):
+        poses = _bodies(vision, _places(vision, view, clock, pixels, whole, shake), whole)
+        strangers = _strangers(poses.off_body)
+        if not strangers.any():
+            break
+        # A stranger has its part in where its neighbours were, so they are found anew.
+        whole &= ~strangers
+    return poses
+
+
+def _strangers(
+    off_body: Float64[np.ndarray, "frames markers"],
+) -> Bool[np.ndarray, "frames markers"]:
+    """Markers that aren't where their body has them, by more than those before and after."""
+    off = np.nan_to_num(np.abs(off_body))
+    around = np.maximum.reduce([np.roll(off, step, axis=0) for step in (-2, -1, 1, 2)])
+    return (off > _OFF_BODY) & (off >= around)
+
+
+def _places(
+    vision: Vision,
+    view: View,
+    clock: Clock,
+    pixels: Float64[np.ndarray, "frames markers 2"],
+    whole: Bool[np.ndarray, "frames markers"],
+    shake: Float64[np.ndarray, "frames 2"],
+) -> Float64[np.ndarray, "frames markers 2"]:
+    """Where each marker was at the pictures' times [m]."""
     places = np.full(pixels.shape, np.nan)
     for k, marker in enumerate(vision.markers):
         steady = np.where(whole[:, k, None], pixels[:, k], np.nan)
@@ -88,7 +118,7 @@ def poses_of(
             steady = steady - _offsets(view, steady, marker.depth, marker.diameter / 2)
         at = view.places(steady, marker.depth)
         places[:, k] = at_frame_times(at, times, clock.frames)
-    return _bodies(vision, places, whole)
+    return places
 
 
 def _offsets(

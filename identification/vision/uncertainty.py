@@ -26,6 +26,7 @@ from identification.vision.spots.marks import mark_places, mark_radii
 
 _LEAST_NOISE = 0.015
 _STEP = 0.05
+_KEPT = 0.95
 
 
 @dataclasses.dataclass(frozen=True)
@@ -128,11 +129,18 @@ def _noise(
             left = (2 * len(members) - 3) / len(members)
             known = np.isfinite(off).all(axis=1)
             if known.any():
-                noise[members] = np.sqrt((off[known] ** 2).mean() / left) / size[members]
+                noise[members] = np.sqrt(_trimmed(off[known]) / left) / size[members]
         else:
-            noise[members] = np.sqrt(np.nanmean(off**2, axis=0)) / size[members]
+            noise[members] = np.sqrt([_trimmed(each) for each in off.T]) / size[members]
     usual = np.nanmedian(noise) if np.isfinite(noise).any() else _LEAST_NOISE
     return np.maximum(np.where(np.isfinite(noise), noise, usual), _LEAST_NOISE)
+
+
+def _trimmed(off: Float64[np.ndarray, "..."]) -> float:
+    """Mean square, but for the largest twentieth: one bad picture tells nothing of others."""
+    square = np.sort((off[np.isfinite(off)] ** 2).ravel())
+    kept = square[: max(1, int(np.ceil(_KEPT * len(square))))]
+    return float(kept.mean()) if len(kept) else float("nan")
 
 
 def _by_lens(

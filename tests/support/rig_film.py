@@ -187,7 +187,7 @@ def _photograph(camera, folder, count, random):
         tilt = tilt + random.uniform(-0.15, 0.15, 2)
         turn = cv2.Rodrigues(np.array([*tilt, random.uniform(-0.3, 0.3)]))[0]
         far = random.uniform(0.6, 0.75)
-        spread = np.array([(number % 3 - 1) * 0.36, (number // 3 % 3 - 1) * 0.27]) * far
+        spread = np.array([(number % 3 - 1) * 0.30, (number // 3 % 3 - 1) * 0.21]) * far
         centre = np.array([*spread, far])
         middle = turn @ np.array([0.16, 0.10, 0.0])
         light = board_light(rays, turn, centre - middle)

@@ -24,8 +24,8 @@ class Lens:
     deviations: Float64[np.ndarray, "directions parameters"] = dataclasses.field(
         default_factory=lambda: np.zeros((0, 9))
     )
-    """A square root of the fit's covariance: each row is a standard deviation, all of them
-    independent, of fx, fy, cx, cy and the first five terms of the distortion."""
+    """A square root of the covariance: rows of what fx, fy, cx, cy and five terms of the
+    distortion may be off by together, their squares to be added up."""
 
     @property
     def focal_length(self) -> float:

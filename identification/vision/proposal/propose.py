@@ -115,10 +115,10 @@ def _draw(
     for name, found in numbered:
         at = tuple(round(x) for x in found.first.centre)
         radius = int(found.first.radius) + 6
-        for thickness, colour in ((5, (0, 0, 0)), (2, (255, 255, 255))):
-            cv2.circle(drawn, at, radius, colour, thickness, cv2.LINE_AA)
-            place = (at[0] + radius, at[1] - radius)
+        for step, colour in ((2, (0, 0, 0)), (0, (255, 255, 255))):
+            cv2.circle(drawn, (at[0] + step, at[1] + step), radius, colour, 2, cv2.LINE_AA)
+            place = (at[0] + radius + step, at[1] - radius + step)
             font = cv2.FONT_HERSHEY_SIMPLEX
-            cv2.putText(drawn, name, place, font, 1.2, colour, thickness, cv2.LINE_AA)
+            cv2.putText(drawn, name, place, font, 1.2, colour, 2, cv2.LINE_AA)
     with whole_file(path) as scratch:
         scratch.write_bytes(cv2.imencode(".png", drawn)[1].tobytes())

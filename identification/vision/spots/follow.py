@@ -20,7 +20,8 @@ from identification.vision.spots.disc import Shape
 from identification.vision.spots.look import Look, Picture, Sighting
 from identification.vision.spots.marks import STILL, Start, look_of, mark_places
 
-_STILL = 1.0
+_STILL = 4.0
+_MOVES = 3.0
 _STRANGE_SCALE = 0.2
 _STRANGE = 0.25
 _REACH = 5.0
@@ -99,6 +100,9 @@ class Follower:
         self.start = start
         self.trails = [Trail() for _ in vision.markers]
         self.shift = np.zeros(2)
+        self._last: Seen | None = None
+        bodies = [marker.body for marker in vision.markers]
+        self._alone = [bodies.count(body) == 1 for body in bodies]
         self._apart: dict[tuple[int, int], Float64[np.ndarray, " 2"]] = {}
         self._scale = float(np.sqrt(abs(np.linalg.det(start.view.footprint(np.zeros(3))))))
         self._mark_looks = [look_of(vision, mark) for mark in vision.marks]
@@ -142,6 +146,8 @@ class Follower:
         Returns:
             What is seen of them.
         """
+        if self._last is not None and self._stands(frame, time):
+            return self._last
         seen: list[Sighting | None] = [None] * len(self.trails)
         for body, members in of_bodies(self.vision):
             for k in members:
@@ -156,10 +162,20 @@ class Follower:
             sighting = seen[k]
             if sighting is None or sighting.hidden > _MOSTLY:
                 trail.missed += 1
-            elif frame.change >= _STILL or np.hypot(*trail.velocity) < _STILL:
-                # A doubled picture shows nothing of how fast it moves.
+            else:
                 trail.moved_to(sighting.centre, time)
-        return _seen(seen)
+        self._last = _seen(seen)
+        return self._last
+
+    def _stands(self, frame: Frame, time: float) -> bool:
+        """Whether nothing moves in a picture though it should: it is the one before again."""
+        if frame.change > _STILL:
+            return False
+        return any(
+            np.hypot(*trail.velocity) * (time - trail.time) > _MOVES
+            for trail in self.trails
+            if trail.is_known and trail.missed == 0
+        )
 
     def _near(self, picture: Picture, k: int, time: float) -> Sighting | None:
         """A marker where it is expected."""
@@ -169,7 +185,8 @@ class Follower:
         travel = trail.velocity * self.vision.time.exposure
         shape = self._shape(k, near, travel)
         reach = _REACH + _SPREAD * float(np.hypot(*step)) + _LOST_SPREAD * trail.missed
-        if not np.isfinite(trail.mean_velocity[0]) and trail.time > 0:
+        alone = self._alone[k]
+        if alone and not np.isfinite(trail.mean_velocity[0]) and trail.time > 0:
             reach += _FASTEST * (time - trail.time) * self._scale
         sighting = self._looks[k].at(picture, near, shape, reach)
         if sighting is None:
