@@ -5,18 +5,19 @@ import dataclasses
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from identification.vision.clock import Clock
 from identification.vision.lens import View
 from identification.vision.settings.document import Vision
-from identification.vision.shutter import at_frame_times
 from identification.vision.spots.bodies import of_bodies, rigid_pose
-from identification.vision.tripod import shake_at
+from identification.vision.timing.clock import Clock
+from identification.vision.timing.shutter import at_frame_times, interpolation_error
+from identification.vision.timing.tripod import shake_at
 
 COLUMNS = ("x_e", "y_e", "delta_e", "q_3", "q_4")
 """Columns of `camera.csv` after the time."""
 _OFF_BODY = 1.5e-3
 _SCALE = 0.05
 _ROUNDS = 6
+_UNSURE = 1e-3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -118,6 +119,8 @@ def _places(
             steady = steady - _offsets(view, steady, marker.depth, marker.diameter / 2)
         at = view.places(steady, marker.depth)
         places[:, k] = at_frame_times(at, times, clock.frames)
+        error = interpolation_error(at, times, clock.frames)
+        places[error > _UNSURE, k] = np.nan
     return places
 
 

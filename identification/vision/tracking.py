@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from identification.vision.clock import Clock, doubled, dropped, read_clock, read_stamps
 from identification.vision.lens import Lens, Marks, calibrate, fit_plane
 from identification.vision.pictures.stream import Video, pictures
 from identification.vision.poses import Poses, poses_of, whole_markers
@@ -22,7 +21,8 @@ from identification.vision.spots.marks import (
     mark_radii,
     require_fit,
 )
-from identification.vision.tripod import mean_marks, shake_of
+from identification.vision.timing.clock import Clock, doubled, dropped, read_clock, read_stamps
+from identification.vision.timing.tripod import mean_marks, shake_of
 from identification.vision.uncertainty import Sigma, sigma_of
 from scdpr_jax.numerics.progress import SILENT, Progress
 
@@ -82,7 +82,7 @@ def track(vision: Vision, folder: Path, *, progress: Progress = SILENT) -> Track
     """
     with pictures(folder / vision.video) as video:
         size = (video.width, video.height)
-        lens, notes = lens_of(vision, folder, size, progress.part(0, _LENS_SHARE))
+        lens, notes = lens_of(vision, folder, size, progress.part(0.0, _LENS_SHARE))
         read = _read(vision, folder, lens, video, progress.part(_LENS_SHARE, 1.0))
     return _put_together(vision, folder, lens, read, notes)
 

@@ -1,4 +1,4 @@
-"""A film of a rig as a folder: video, `vision.toml`, stamps, photos of a board, and its truth."""
+"""A film of a rig as a folder: video, `vision.toml`, stamps, photos of a board, its truth."""
 
 import dataclasses
 
@@ -47,7 +47,7 @@ def hard(seed, **changes):
     frames = changes.get("frames", 60)
     camera = Camera(
         upside_down=True,
-        exposure=7e-3,
+        exposure=14e-3,
         readout=27e-3,
         flicker=0.04,
         shake=1.5,
@@ -58,7 +58,7 @@ def hard(seed, **changes):
     losses = random.choice(np.arange(3, frames - 3), 6, replace=False)
     settings = {
         "arm": True,
-        "speed": 1.4,
+        "speed": 1.2,
         "clutter": 12,
         "quality": 75,
         "dropped": tuple(sorted(losses[:3].tolist())),

@@ -68,8 +68,8 @@ def motion(film):
     ends = 0.35 + 1.5 * ((np.arange(count + 1) % 2) * 0.6 + 0.2 * random.random(count + 1))
     height = random.uniform(0.25, 0.8)
     rise = random.uniform(-0.1, 0.1)
-    ring = random.uniform(3.0, 6.5)
-    swing = random.uniform(0.005, 0.03) * film.speed
+    ring = random.uniform(3.0, 5.0)
+    swing = random.uniform(0.003, 0.008) * film.speed
 
     def step(t, start, duration):
         s = np.clip((t - start) / duration, 0, 1)
@@ -77,7 +77,7 @@ def motion(film):
 
     def coordinates(t):
         t = np.asarray(t, float)
-        duration = 0.8 / film.speed
+        duration = 0.95 / film.speed
         x, wave = np.full_like(t, ends[0]), np.zeros_like(t)
         for k, start in enumerate(times):
             x = x + (ends[k + 1] - ends[k]) * step(t, start, duration)
@@ -164,7 +164,12 @@ class Renderer:
             if body != "end_effector":
                 lower = 0.02 if body == "lower_carriage" else -0.02
                 self._plate(
-                    light, t, lambda s, c=centre, d=lower: c(s) + [0, d], 0.055, 0.05, DEPTH
+                    light,
+                    t,
+                    lambda s, c=centre, d=lower: c(s) + np.array([0, d]),
+                    0.055,
+                    0.05,
+                    DEPTH,
                 )
             self._disc(light, t, centre, DEPTH, MARKER_RADIUS, colour)
         if self.film.arm:

@@ -45,7 +45,7 @@ def track(
 
     told = read_vision(vision)
     with shown_progress(ERRORS) as progress:
-        whole = progress.part(0, 0.6 if overlay else 1.0)
+        whole = progress.part(0.0, 0.6 if overlay else 1.0)
         tracked = tracked_poses(told, vision.parent, progress=whole)
         write_camera(out, tracked)
         if json is not None:

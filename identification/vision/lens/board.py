@@ -107,7 +107,10 @@ def _corners(
     least = min(np.linalg.norm(np.diff(grid, axis=axis), axis=-1).min() for axis in (0, 1))
     half = max(3, int(0.3 * least))
     criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-4)
-    return cv2.cornerSubPix(grey, corners, (half, half), (-1, -1), criteria)
+    # OpenCV 5 takes and gives a list of points, 4 a column of them.
+    corners = corners.reshape(-1, 1, 2)
+    fine = cv2.cornerSubPix(grey, corners, (half, half), (-1, -1), criteria)
+    return np.asarray(fine, np.float32).reshape(-1, 1, 2)
 
 
 def _fitted(

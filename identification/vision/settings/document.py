@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -73,7 +73,7 @@ class Time(_Table):
     )
 
     @model_validator(mode="after")
-    def _one_clock(self) -> Self:
+    def _one_clock(self) -> "Time":
         if (self.frame_rate is None) == (self.stamps is None):
             raise QuantityError(
                 "no clock" if self.stamps is None else "two clocks",
@@ -100,7 +100,7 @@ class Calibration(_Table):
     distortion: list[float] = Field([], examples=["[-0.11, 0.045, 0, 0, 0]"])
 
     @model_validator(mode="after")
-    def _one_source(self) -> Self:
+    def _one_source(self) -> "Calibration":
         given = [self.photos is not None, self.matrix is not None]
         if sum(given) != 1 or (self.photos and not (self.inner_corners and self.square)):
             raise QuantityError(
@@ -129,7 +129,7 @@ class Colour(_Table):
     value: tuple[Share, Share] = Field((0.12, 1.0), examples=['["12 %", "100 %"]'])
 
 
-def _named(hue_from: float, hue_to: float) -> Colour:
+def _named(hue_from: int, hue_to: int) -> Colour:
     return Colour(hue=(f"{hue_from} deg", f"{hue_to} deg"))
 
 
@@ -171,7 +171,7 @@ class _Spot(_Table):
     near: tuple[float, float] | None = Field(None, examples=["[154, 962]"])
 
     @model_validator(mode="after")
-    def _one_look(self) -> Self:
+    def _one_look(self) -> "_Spot":
         disc = self.colour is not None and self.diameter is not None
         if disc == (self.aruco is not None) or (self.aruco is not None and self.colour):
             raise QuantityError(

@@ -185,7 +185,8 @@ def _coverage(
         p, q = a * dx + b * dy, c * dx + d * dy
         length = np.sqrt(p * p + q * q) + 1e-12
         along_x, along_y = (a * p + c * q) / length, (b * p + d * q) / length
-        steep = np.sqrt(along_x * along_x + along_y * along_y) * shape.blur
+        # In the very middle no direction leads to the edge.
+        steep = np.maximum(np.hypot(along_x, along_y) * shape.blur, 1e-9)
         inside = (scale / shape.blur - length) / steep
         bell = np.exp(-0.5 * inside * inside) / (_SQRT_TAU * steep)
         total += ndtr(inside), bell * along_x, bell * along_y, bell / shape.blur

@@ -151,7 +151,9 @@ class Follower:
         seen: list[Sighting | None] = [None] * len(self.trails)
         for body, members in of_bodies(self.vision):
             for k in members:
-                if self.trails[k].is_known:
+                # One of several that look alike is taken for another after a while.
+                sure = self._alone[k] or self.trails[k].missed < 2
+                if self.trails[k].is_known and sure:
                     seen[k] = self._near(frame.picture, k, time)
             self._drop_strangers(body, members, seen)
             if all(seen[k] is None for k in members):

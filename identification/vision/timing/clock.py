@@ -114,7 +114,7 @@ def read_stamps(path: Path) -> dict[int, float]:
                 f"stamps: {path.name}, row {number}: got {','.join(row)!r}, expected a whole "
                 f"number of a frame and a time {column[1:].strip()}. Correct the row."
             ) from None
-        stamps[frame] = float(units[column](np.array(stamp)))
+        stamps[frame] = float(units[column](np.array([stamp]))[0])
     return stamps
 
 

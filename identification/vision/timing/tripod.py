@@ -3,8 +3,8 @@
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from identification.vision.clock import Clock
-from identification.vision.shutter import at_frame_times
+from identification.vision.timing.clock import Clock
+from identification.vision.timing.shutter import at_frame_times
 
 _SIGNIFICANT = 4.0
 _LEAST = 3

@@ -17,6 +17,37 @@ _APART = 5.0
 _TIMELESS = 2e-4
 
 
+def interpolation_error(
+    values: Float64[np.ndarray, "frames 2"],
+    measured: Float64[np.ndarray, " frames"],
+    wanted: Float64[np.ndarray, " frames"],
+) -> Float64[np.ndarray, " frames"]:
+    """How far `at_frame_times` may be off: by what it would be without its farthest neighbour.
+
+    Args:
+        values: What was measured; NaN where nothing was.
+        measured: When it was [s].
+        wanted: When it is wanted [s].
+
+    Returns:
+        The distance; NaN where there is no value.
+    """
+    good = np.flatnonzero(np.isfinite(values[:, 0]) & np.isfinite(measured))
+    error = np.full(len(values), np.nan)
+    if len(good) < 2:
+        return error
+    interval = _interval(wanted)
+    for place, k in enumerate(good):
+        chosen = _neighbours(good, place, measured, interval)
+        if len(chosen) < 3:
+            continue
+        whole = lagrange(measured[chosen], wanted[k]) @ values[chosen]
+        fewer = np.delete(chosen, np.argmax(np.abs(measured[chosen] - wanted[k])))
+        less = lagrange(measured[fewer], wanted[k]) @ values[fewer]
+        error[k] = np.hypot(*(whole - less))
+    return error
+
+
 def at_frame_times(
     values: Float64[np.ndarray, "frames 2"],
     measured: Float64[np.ndarray, " frames"],
@@ -36,7 +67,7 @@ def at_frame_times(
     result = np.full_like(values, np.nan)
     if len(good) < 2:
         return _untouched(values, measured, wanted)
-    interval = float(np.median(np.diff(measured[good])))
+    interval = _interval(wanted)
     for place, k in enumerate(good):
         if abs(measured[k] - wanted[k]) < _TIMELESS * interval:
             result[k] = values[k]
@@ -46,6 +77,11 @@ def at_frame_times(
             weights = lagrange(measured[chosen], wanted[k])
             result[k] = weights @ values[chosen]
     return result
+
+
+def _interval(times: Float64[np.ndarray, " frames"]) -> float:
+    """Usual time from a picture to the next."""
+    return float(np.median(np.diff(times[np.isfinite(times)])))
 
 
 def _untouched(
