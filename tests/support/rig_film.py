@@ -114,7 +114,7 @@ def shoot(film, folder, *, videos=("avi",), boards=0):
     if "mp4" in videos:
         write_mp4(folder / "video.mp4", stored, film.camera.size, film.rate)
     if boards:
-        _photograph(film.camera, folder / "board", boards, random)
+        photograph(film.camera, folder / "board", boards, random)
     times = np.array(times)
     stamped = bool(film.dropped or film.doubled)
     if stamped:
@@ -178,7 +178,7 @@ def document(film, random, *, boards, stamped):
     return "\n".join(lines) + "\n"
 
 
-def _photograph(camera, folder, count, random):
+def photograph(camera, folder, count, random):
     """Photos of a board of 9 by 6 inner corners, at changing places and tilts."""
     folder.mkdir(exist_ok=True)
     rays = Sight(camera)
