@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float64
 from identification.vision.lens import View
 from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import of_bodies, rigid_pose
+from identification.vision.spots.marks import colour_magnification
 from identification.vision.timing.clock import Clock
 from identification.vision.timing.shutter import at_frame_times, interpolation_error
 from identification.vision.timing.tripod import shake_at
@@ -28,6 +29,8 @@ class Poses:
     """Each column of `camera.csv` but the time, NaN where it isn't known [m, rad]."""
     places: Float64[np.ndarray, "frames markers 2"]
     """Where each marker was, NaN where it isn't known [m]."""
+    unsure: Float64[np.ndarray, "frames markers 2"]
+    """How far it may be off as its row has another time than the picture [m]."""
     off_body: Float64[np.ndarray, "frames markers"]
     """How far markers of a rigid body are from where it would have them [m]."""
     whole: Bool[np.ndarray, "frames markers"]
@@ -83,7 +86,8 @@ def poses_of(
     """
     whole = whole.copy()
     for _ in range(_ROUNDS):
-        poses = _bodies(vision, _places(vision, view, clock, pixels, whole, shake), whole)
+        places, unsure = _places(vision, view, clock, pixels, whole, shake)
+        poses = _bodies(vision, places, unsure, whole)
         strangers = _strangers(poses.off_body)
         if not strangers.any():
             break
@@ -108,20 +112,22 @@ def _places(
     pixels: Float64[np.ndarray, "frames markers 2"],
     whole: Bool[np.ndarray, "frames markers"],
     shake: Float64[np.ndarray, "frames 2"],
-) -> Float64[np.ndarray, "frames markers 2"]:
-    """Where each marker was at the pictures' times [m]."""
-    places = np.full(pixels.shape, np.nan)
+) -> tuple[Float64[np.ndarray, "frames markers 2"], Float64[np.ndarray, "frames markers 2"]]:
+    """Where each marker was at the pictures' times, and how unsure it is by its row [m]."""
+    places, unsure = np.full(pixels.shape, np.nan), np.full(pixels.shape, np.nan)
     for k, marker in enumerate(vision.markers):
         steady = np.where(whole[:, k, None], pixels[:, k], np.nan)
         times = clock.frames + clock.offset(steady[:, 1])
         steady = steady - shake_at(shake, clock.frames, times)
+        own = colour_magnification(vision, marker, view.lens.lateral)
+        steady = view.lens.without_colour(steady, own)
         if marker.diameter is not None:
             steady = steady - _offsets(view, steady, marker.depth, marker.diameter / 2)
         at = view.places(steady, marker.depth)
         places[:, k] = at_frame_times(at, times, clock.frames)
-        error = interpolation_error(at, times, clock.frames)
-        places[error > _UNSURE, k] = np.nan
-    return places
+        unsure[:, k] = interpolation_error(at, times, clock.frames)
+        places[np.hypot(*unsure[:, k].T) > _UNSURE, k] = np.nan
+    return places, unsure
 
 
 def _offsets(
@@ -139,6 +145,7 @@ def _offsets(
 def _bodies(
     vision: Vision,
     places: Float64[np.ndarray, "frames markers 2"],
+    unsure: Float64[np.ndarray, "frames markers 2"],
     whole: Bool[np.ndarray, "frames markers"],
 ) -> Poses:
     count = len(places)
@@ -162,7 +169,7 @@ def _bodies(
                 values[name][frame] = np.nanmean(along[:, 0])
         if body != "end_effector":
             _drop_off_guide(values, places, off, members, body)
-    return Poses(values, places, off, whole)
+    return Poses(values, places, unsure, off, whole)
 
 
 def _drop_off_guide(

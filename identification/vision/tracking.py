@@ -16,6 +16,7 @@ from identification.vision.spots.follow import Follower, Seen
 from identification.vision.spots.look import MOST_HIDDEN
 from identification.vision.spots.marks import (
     Start,
+    colour_magnification,
     first_view,
     mark_places,
     mark_radii,
@@ -28,6 +29,7 @@ from scdpr_jax.numerics.progress import SILENT, Progress
 
 _LENS_SHARE = 0.05
 _LEAST_MARKS = 4
+_LEAST_MISFIT = 0.01
 
 
 @dataclasses.dataclass(frozen=True)
@@ -173,7 +175,7 @@ def _read(vision: Vision, folder: Path, lens: Lens, video: Video, progress: Prog
 
 def _nothing(count: int) -> Seen:
     missing = np.full(count, np.nan)
-    return Seen(np.full((count, 2), np.nan), missing, missing)
+    return Seen(np.full((count, 2), np.nan), missing, missing, missing)
 
 
 def _put_together(
@@ -185,7 +187,7 @@ def _put_together(
     pixels = np.array([each.pixel for each in read.markers])
     again = doubled(read.change, pixels)
     shake = shake_of(mark_pixels, clock, ~again & np.isfinite(mark_pixels[..., 0]).any(axis=1))
-    mean = mean_marks(mark_pixels[~again], shake[~again])
+    mean = _without_colour(vision, lens, mean_marks(mark_pixels[~again], shake[~again]))
     marks = _plane(vision, lens, mean)
     whole = whole_markers(
         pixels,
@@ -199,7 +201,7 @@ def _put_together(
         clock,
         poses,
         marks,
-        sigma_of(vision, marks, mean, poses),
+        sigma_of(vision, marks, mean, poses, _misfit(read.markers)),
         read.start,
         mark_pixels,
         pixels,
@@ -214,6 +216,28 @@ def _whole_marks(seen: list[Seen]) -> Float64[np.ndarray, "frames marks 2"]:
     pixels = np.array([each.pixel for each in seen])
     hidden = np.array([each.hidden for each in seen])
     return np.where((hidden < MOST_HIDDEN)[..., None], pixels, np.nan)
+
+
+def _misfit(seen: list[Seen]) -> Float64[np.ndarray, " markers"]:
+    """Of each marker, over the pictures; tags have none, and are alike."""
+    every = np.array([each.misfit for each in seen])
+    usual = [
+        np.median(each[np.isfinite(each)]) if np.isfinite(each).any() else 0.0
+        for each in every.T
+    ]
+    return np.maximum(usual, _LEAST_MISFIT)
+
+
+def _without_colour(
+    vision: Vision, lens: Lens, pixels: Float64[np.ndarray, "marks 2"]
+) -> Float64[np.ndarray, "marks 2"]:
+    """The marks as grey light would have them."""
+    return np.array(
+        [
+            lens.without_colour(pixel, colour_magnification(vision, mark, lens.lateral))
+            for pixel, mark in zip(pixels, vision.marks, strict=True)
+        ]
+    )
 
 
 def _plane(vision: Vision, lens: Lens, pixels: Float64[np.ndarray, "marks 2"]) -> Marks:

@@ -8,7 +8,7 @@ The marks' own errors, and with them the plane's: by the marks' residuals, and h
 that is off moves everything.
 The lens: by the covariance of its fit to the board, the plane fitted anew with each lens that
 might be as well.
-Lateral colour, that bends each colour a little otherwise: see `lateral`.
+Lateral colour, which is corrected by what the board tells of it: see `lens.lateral`.
 A repeated measurement of a still robot would show the first alone, and be off by the others
 without knowing.
 """
@@ -22,11 +22,15 @@ from identification.vision.lens import Lens, Marks, View, fit_plane
 from identification.vision.poses import COLUMNS, Poses
 from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import of_bodies
-from identification.vision.spots.marks import mark_places, mark_radii
+from identification.vision.spots.marks import colour_magnification, mark_places, mark_radii
 
-_LEAST_NOISE = 0.015
+_LEAST_NOISE = 0.01
 _STEP = 0.05
-_KEPT = 0.95
+_KEPT = 0.8
+_OF_KEPT = 0.4377
+_SHARED = 1.3
+_OF_UNSURE = 0.18
+_OF_COLOUR = 0.5
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,8 +39,8 @@ class Sigma:
 
     columns: dict[str, float]
     """Of each but the time [m, rad]; NaN where a column is empty."""
-    noise: Float64[np.ndarray, " markers"]
-    """Of each marker from picture to picture [px]."""
+    noise: Float64[np.ndarray, "2 markers"]
+    """Of each marker from picture to picture, along x and along y [px]."""
 
     @property
     def position(self) -> float:
@@ -55,6 +59,7 @@ def sigma_of(
     marks: Marks,
     mark_pixels: Float64[np.ndarray, "marks 2"],
     poses: Poses,
+    misfit: Float64[np.ndarray, " markers"],
 ) -> Sigma:
     """How far the poses may be off.
 
@@ -63,23 +68,26 @@ def sigma_of(
         marks: The marks' plane.
         mark_pixels: Where the marks are seen in the mean, NaN where they aren't [px].
         poses: The poses.
+        misfit: How much the markers' discs are unlike their shape [1].
 
     Returns:
         Standard deviations.
     """
     places = _typical(poses)
-    noise = _noise(vision, marks.view, poses, places)
+    noise = _noise(vision, marks.view, poses, places, misfit)
     shifts = [
         *_by_lens(vision, marks, mark_pixels, places),
         *_by_marks(vision, marks, mark_pixels, places),
+        _by_colour(vision, marks.view, places),
     ]
     variances = dict.fromkeys(COLUMNS, 0.0)
     for shift in shifts:
         for name, value in _columns(vision, shift).items():
             variances[name] += value**2
-    scale = _pixel_sizes(marks.view, vision, places)
+    metres = noise * _pixel_sizes(marks.view, vision, places)
+    rows = _of_rows(poses)
     for body, members in of_bodies(vision):
-        _add_noise(variances, vision, body, members, noise * scale)
+        _add_noise(variances, vision, body, members, metres[:, members], rows[:, members])
     columns = {
         name: float(np.sqrt(variances[name]))
         if np.isfinite(poses.values[name]).any()
@@ -118,29 +126,51 @@ def _noise(
     view: View,
     poses: Poses,
     places: Float64[np.ndarray, "samples markers 2"],
-) -> Float64[np.ndarray, " markers"]:
-    """Of each marker and direction, by what its body doesn't allow [px]."""
+    misfit: Float64[np.ndarray, " markers"],
+) -> Float64[np.ndarray, "2 markers"]:
+    """Of each marker along x and along y, by what its body doesn't allow [px].
+
+    Two markers beside each other tell by their distance how noisy they are along x, and a
+    carriage by its height along y. What tells a direction stands for all markers, as their
+    discs' misfits are: partly, as noise of the pixels has its part in both. A distance shows
+    errors that are opposite to each other, as of a plate's two edges in a fast picture, and
+    that the body's middle doesn't have; so the geometric mean of both directions is taken
+    where the distance says more than the height.
+    """
     size = _pixel_sizes(view, vision, places)
-    noise = np.full(len(vision.markers), np.nan)
+    share = np.sqrt(misfit / np.nanmean(misfit))
+    told: list[list[float]] = [[], []]
     for body, members in of_bodies(vision):
-        off = poses.off_body[:, members]
-        if body == "end_effector":
-            # Of 2 n numbers three are the pose, and one is left of two markers.
-            left = (2 * len(members) - 3) / len(members)
-            known = np.isfinite(off).all(axis=1)
-            if known.any():
-                noise[members] = np.sqrt(_trimmed(off[known]) / left) / size[members]
-        else:
-            noise[members] = np.sqrt([_trimmed(each) for each in off.T]) / size[members]
-    usual = np.nanmedian(noise) if np.isfinite(noise).any() else _LEAST_NOISE
-    return np.maximum(np.where(np.isfinite(noise), noise, usual), _LEAST_NOISE)
+        off = poses.off_body[:, members] / (size * share)[members]
+        if body != "end_effector":
+            told[1] += [np.sqrt(_trimmed(each)) for each in off.T]
+            continue
+        # Of 2 n numbers three are the pose, and one is left of two markers.
+        left = (2 * len(members) - 3) / len(members)
+        own = np.array([[vision.markers[k].x, vision.markers[k].y] for k in members])
+        wide = np.ptp(own, axis=0)
+        ways = (0, 1) if len(members) > 2 else (int(wide[1] > wide[0]),)
+        for way in ways:
+            told[way].append(np.sqrt(_trimmed(off[np.isfinite(off).all(axis=1)]) / left))
+    known = [[each for each in way if np.isfinite(each)] for way in told]
+    every = [each for way in known for each in way] or [_LEAST_NOISE]
+    usual = [np.sqrt(np.mean(np.square(way or every))) for way in known]
+    usual[0] = min(usual[0], np.sqrt(usual[0] * usual[1]))
+    return np.maximum(np.array(usual)[:, None] * share, _LEAST_NOISE)
+
+
+def _of_rows(poses: Poses) -> Float64[np.ndarray, "2 markers"]:
+    """What rows that have another time than the picture add, root mean square [m]."""
+    used = np.where(np.isfinite(poses.places), poses.unsure, np.nan)
+    count = np.maximum(np.isfinite(used).sum(axis=0), 1)
+    return _OF_UNSURE * np.sqrt(np.nansum(used**2, axis=0) / count).T
 
 
 def _trimmed(off: Float64[np.ndarray, "..."]) -> float:
-    """Mean square, but for the largest twentieth: one bad picture tells nothing of others."""
+    """Mean square by the smaller four fifths: some bad pictures tell nothing of the others."""
     square = np.sort((off[np.isfinite(off)] ** 2).ravel())
     kept = square[: max(1, int(np.ceil(_KEPT * len(square))))]
-    return float(kept.mean()) if len(kept) else float("nan")
+    return float(kept.mean() / _OF_KEPT) if len(kept) else float("nan")
 
 
 def _by_lens(
@@ -149,11 +179,15 @@ def _by_lens(
     mark_pixels: Float64[np.ndarray, "marks 2"],
     places: Float64[np.ndarray, "samples markers 2"],
 ) -> list[Float64[np.ndarray, "samples markers 2"]]:
-    """How each standard deviation of the lens moves the markers."""
+    """How each standard deviation of the lens moves the markers.
+
+    It is somewhat more than the photos' differences say: what they share, as a board that
+    isn't flat, isn't in them.
+    """
     lens = marks.view.lens
     others = [lens.deviated(k) for k in range(len(lens.deviations))]
     return [
-        _moved(vision, marks.view, _refit(vision, mark_pixels, other), places)
+        _SHARED * _moved(vision, marks.view, _refit(vision, mark_pixels, other), places)
         for other in others
     ]
 
@@ -176,6 +210,19 @@ def _by_marks(
             other = _refit(vision, moved, marks.view.lens)
             shifts.append(_moved(vision, marks.view, other, places) * error / _STEP)
     return shifts
+
+
+def _by_colour(
+    vision: Vision, view: View, places: Float64[np.ndarray, "samples markers 2"]
+) -> Float64[np.ndarray, "samples markers 2"]:
+    """A half of what lateral colour moves the markers by: so well is it known."""
+    shift = np.zeros_like(places)
+    for k, marker in enumerate(vision.markers):
+        own = _OF_COLOUR * colour_magnification(vision, marker, view.lens.lateral)
+        at = np.concatenate([places[:, k], np.full((len(places), 1), marker.depth)], axis=-1)
+        seen = view.lens.without_colour(view.pixels(at), own)
+        shift[:, k] = view.places(seen, marker.depth) - places[:, k]
+    return np.nan_to_num(shift)
 
 
 def _refit(vision: Vision, mark_pixels: Float64[np.ndarray, "marks 2"], lens: Lens) -> View:
@@ -232,17 +279,22 @@ def _add_noise(
     vision: Vision,
     body: str,
     members: list[int],
-    noise: Float64[np.ndarray, " markers"],
+    noise: Float64[np.ndarray, "2 members"],
+    rows: Float64[np.ndarray, "2 members"],
 ) -> None:
-    """What independent noise of the markers [m] adds."""
-    mean = float((noise[members] ** 2).mean())
+    """What independent noise of the markers adds, and their rows' times, common to all [m]."""
+    along_x, along_y = (noise**2).mean(axis=1)
+    rows_x, rows_y = (rows**2).mean(axis=1)
     if body != "end_effector":
         name = "q_3" if body == "lower_carriage" else "q_4"
-        variances[name] += mean / len(members)
+        variances[name] += along_x / len(members) + rows_x
         return
     own = np.array([[vision.markers[k].x, vision.markers[k].y] for k in members])
     middle = own.mean(axis=0)
-    inertia = float(((own - middle) ** 2).sum())
-    variances["delta_e"] += mean / inertia
-    variances["x_e"] += mean / len(members) + mean / inertia * middle[1] ** 2
-    variances["y_e"] += mean / len(members) + mean / inertia * middle[0] ** 2
+    arm = own - middle
+    # A marker turns the body by its move across its arm.
+    inertia = (arm**2).sum()
+    turn = ((arm[:, 0] ** 2).sum() * along_y + (arm[:, 1] ** 2).sum() * along_x) / inertia**2
+    variances["delta_e"] += turn
+    variances["x_e"] += along_x / len(members) + turn * middle[1] ** 2 + rows_x
+    variances["y_e"] += along_y / len(members) + turn * middle[0] ** 2 + rows_y

@@ -190,14 +190,19 @@ def photograph(camera, folder, count, random):
         spread = np.array([(number % 3 - 1) * 0.30, (number // 3 % 3 - 1) * 0.21]) * far
         centre = np.array([*spread, far])
         middle = turn @ np.array([0.16, 0.10, 0.0])
-        light = board_light(rays, turn, centre - middle)
-        picture = developed(dataclasses.replace(camera, lateral=0.0), light, random)
+        light = np.stack(
+            [board_light(rays, turn, centre - middle, share=share) for share in (-1, 0, 1)], -1
+        )
+        picture = developed(camera, light, random)
         (folder / f"{number:02}.jpg").write_bytes(jpeg(picture, 92))
 
 
-def board_light(rays, turn, place):
+def board_light(rays, turn, place, *, share):
     """A chessboard on a wall: edges are ramps as wide as a pixel, which no side prefers."""
-    direction = np.concatenate([rays.ray, np.ones((*rays.ray.shape[:2], 1))], -1) @ turn
+    v, u = np.mgrid[: rays.ray.shape[0], : rays.ray.shape[1]]
+    off = share * rays.camera.lateral * (np.stack([u, v], -1) - rays.camera.matrix[:2, 2])
+    ray = rays.ray - off[..., :1] * rays.ray_u - off[..., 1:] * rays.ray_v
+    direction = np.concatenate([ray, np.ones((*ray.shape[:2], 1))], -1) @ turn
     eye = -turn.T @ place
     at = eye[:2] - direction[..., :2] * (eye[2] / direction[..., 2])[..., None]
     squares = at / 0.04 + 1
@@ -209,5 +214,4 @@ def board_light(rays, turn, place):
     on = (squares > -0.5).all(-1) & (squares[..., 0] < 10.5) & (squares[..., 1] < 7.5)
     inside = (squares > 0).all(-1) & (squares[..., 0] < 10) & (squares[..., 1] < 7)
     checker = 0.39 - 0.36 * wave.prod(-1)
-    light = np.where(inside, checker, np.where(on, 0.75, 0.6))
-    return np.repeat(light[..., None], 3, -1)
+    return np.where(inside, checker, np.where(on, 0.75, 0.6))

@@ -1,11 +1,13 @@
 """The lens from photos of a chessboard."""
 
+import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float32, Float64, UInt8
 
+from identification.vision.lens.lateral import blue_less_red
 from identification.vision.lens.lens import Lens
 from identification.vision.pictures.opencv import opencv
 from scdpr_jax.numerics.progress import SILENT, Progress
@@ -44,10 +46,14 @@ def calibrate(
         ValueError: If the photos have another size, too few show the board, or the corners
             are further from the fit than 0.3 px.
     """
-    found = []
+    found, colours = [], []
     for number, photo in enumerate(photos):
         progress(f"board {photo.name}", number / len(photos))
-        found.append(_corners(_grey(photo, size), inner_corners))
+        picture = _picture(photo, size)
+        corners = _corners(_grey(picture), inner_corners)
+        found.append(corners)
+        if corners is not None:
+            colours.append(blue_less_red(picture, corners, np.array(size) / 2))
     corners = [each for each in found if each is not None]
     without = [photo.name for photo, each in zip(photos, found, strict=True) if each is None]
     across, down = inner_corners
@@ -65,29 +71,35 @@ def calibrate(
             f"{MOST_RMS} px. Is the board flat, are the photos sharp, and were they taken with "
             "the focus and zoom of the video? Leave out the blurred ones."
         )
+    lens = dataclasses.replace(lens, lateral=float(np.median(colours)))
     notes = ()
     if without:
         notes = (f"no board of {across} x {down} corners in {', '.join(without)}: not used",)
     return lens, notes
 
 
-def _grey(photo: Path, size: tuple[int, int]) -> UInt8[np.ndarray, "height width"]:
+def _picture(photo: Path, size: tuple[int, int]) -> UInt8[np.ndarray, "height width 3"]:
     cv2 = opencv()
     content = np.frombuffer(photo.read_bytes(), np.uint8)
-    grey = cv2.imdecode(content, cv2.IMREAD_GRAYSCALE) if len(content) else None
-    if grey is None:
+    picture = cv2.imdecode(content, cv2.IMREAD_COLOR) if len(content) else None
+    if picture is None:
         raise ValueError(
             f"calibration: {photo} is no picture that can be read. Delete it or export it "
             "again as JPEG or PNG."
         )
-    height, width = grey.shape
+    height, width = picture.shape[:2]
     if (width, height) != size:
         raise ValueError(
             f"calibration: {photo.name} has {width} x {height} px, expected {size[0]} x "
             f"{size[1]} as the video. Take the photos in the video's mode: another size is "
             "another part of the sensor, and another lens to this programme."
         )
-    return grey
+    return picture
+
+
+def _grey(picture: UInt8[np.ndarray, "height width 3"]) -> UInt8[np.ndarray, "height width"]:
+    cv2 = opencv()
+    return cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
 
 
 def _corners(

@@ -32,6 +32,23 @@ class Lens:
         """Mean focal length [px]."""
         return float(np.sqrt(self.matrix[0, 0] * self.matrix[1, 1]))
 
+    lateral: float = 0.0
+    """How much more blue is magnified than red [1], see `lateral`."""
+
+    def without_colour(
+        self, pixels: Float64[np.ndarray, "*many 2"], magnification: float
+    ) -> Float64[np.ndarray, "*many 2"]:
+        """Pixels as grey light would have them.
+
+        Args:
+            pixels: Where a colour is seen [px].
+            magnification: How much more than grey it is magnified [1].
+
+        Returns:
+            Where grey would be [px].
+        """
+        return pixels - magnification * (pixels - self.matrix[:2, 2])
+
     def deviated(self, direction: int) -> "Lens":
         """The lens as it might be, too.
 
@@ -45,7 +62,7 @@ class Lens:
         matrix, distortion = self.matrix.copy(), self.distortion.copy()
         matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += change[:4]
         distortion[:5] += change[4 : 4 + len(distortion[:5])]
-        return Lens(matrix, distortion, self.rms)
+        return dataclasses.replace(self, matrix=matrix, distortion=distortion)
 
     def directions(
         self, pixels: Float64[np.ndarray, "*many 2"]

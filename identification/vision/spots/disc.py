@@ -31,6 +31,7 @@ _OFF_COLOUR = 0.35
 _OFF_COLOUR_EDGE = 0.6
 _EDGE = 4e-3
 _FEW = 8
+_INSIDE = 0.6
 _RIM = 4.5
 _LIMIT = 0.35
 _MARGIN = 2.6
@@ -134,7 +135,9 @@ def _judged(
     """What the last round found."""
     error = share - fitted
     other = _other_colour(off, cover) | (np.abs(error) > _LIMIT)
-    hidden = float((cover * other).sum() / cover.sum())
+    # At the rim of a fast disc what is behind its plate shows through, which hides nothing.
+    inside = cover * (cover > _INSIDE * cover.max())
+    hidden = float((inside * other).sum() / inside.sum())
     good = reach & ~other
     misfit = float(np.sqrt((error[good] ** 2).mean())) if good.any() else np.inf
     return Disc(centre, scale, hidden, misfit, colours[0])

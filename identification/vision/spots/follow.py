@@ -90,6 +90,8 @@ class Seen:
     """Size over the expected one [1]."""
     hidden: Float64[np.ndarray, " spots"]
     """Share that is covered [1]."""
+    misfit: Float64[np.ndarray, " spots"]
+    """How much they are unlike their shape [1]."""
 
 
 class Follower:
@@ -248,10 +250,15 @@ class Follower:
                 found = self._looks[k].at(picture, near, self._shape(k, near, travel), reach)
                 if found is not None and found.is_whole and not self._is_strange(found):
                     seen[k] = found
-                    self.trails[k] = Trail()
+                    self._begin(k)
         for k in there:
             for j in there:
                 self._apart[k, j] = seen[k].centre - seen[j].centre
+
+    def _begin(self, k: int) -> None:
+        """A trail anew, but for one that was lost in this very picture: it tells a velocity."""
+        if self.trails[k].missed > 0:
+            self.trails[k] = Trail()
 
     def _forget(self, members: Sequence[int], seen: list[Sighting | None]) -> None:
         for k in members:
@@ -274,7 +281,7 @@ class Follower:
             return
         for k, candidate in assign(self.vision, body, there).items():
             seen[k] = candidate.sighting
-            self.trails[k] = Trail()
+            self._begin(k)
 
     def _candidates(self, picture: Picture, k: int, look: Look) -> list[Candidate]:
         middle = np.array(picture.shape[1::-1]) / 2
@@ -295,4 +302,5 @@ def _seen(sightings: Sequence[Sighting | None]) -> Seen:
         np.array([_MISSING if each is None else each.centre for each in sightings]),
         np.array([np.nan if each is None else each.scale for each in sightings]),
         np.array([np.nan if each is None else each.hidden for each in sightings]),
+        np.array([np.nan if each is None else each.misfit for each in sightings]),
     )

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from identification.vision.lens import Lens, Marks, View, fit_plane
+from identification.vision.lens.lateral import magnification
 from identification.vision.settings.document import Mark, Marker, Vision
 from identification.vision.settings.read import spot_name
 from identification.vision.spots.colour import ColouredDisc
@@ -68,6 +69,22 @@ def look_of(vision: Vision, spot: Mark | Marker) -> Look:
     if spot.aruco is not None:
         return Tag(spot.aruco, vision.dictionary)
     return ColouredDisc(vision.colours[spot.colour])
+
+
+def colour_magnification(vision: Vision, spot: Mark | Marker, lateral: float) -> float:
+    """How much more than grey a mark or marker is magnified.
+
+    Args:
+        vision: What is said of the video.
+        spot: The mark or marker.
+        lateral: How much more blue is magnified than red [1].
+
+    Returns:
+        The difference [1]; none for a tag, which is black and white.
+    """
+    if spot.colour is None:
+        return 0.0
+    return magnification(vision.colours[spot.colour], lateral)
 
 
 def mark_places(vision: Vision) -> Float64[np.ndarray, "marks 3"]:

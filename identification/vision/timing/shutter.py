@@ -21,7 +21,7 @@ def interpolation_error(
     values: Float64[np.ndarray, "frames 2"],
     measured: Float64[np.ndarray, " frames"],
     wanted: Float64[np.ndarray, " frames"],
-) -> Float64[np.ndarray, " frames"]:
+) -> Float64[np.ndarray, "frames 2"]:
     """How far `at_frame_times` may be off: by what it would be without its farthest neighbour.
 
     Args:
@@ -30,10 +30,10 @@ def interpolation_error(
         wanted: When it is wanted [s].
 
     Returns:
-        The distance; NaN where there is no value.
+        The difference in each direction; NaN where there is no value.
     """
     good = np.flatnonzero(np.isfinite(values[:, 0]) & np.isfinite(measured))
-    error = np.full(len(values), np.nan)
+    error = np.full_like(values, np.nan)
     if len(good) < 2:
         return error
     interval = _interval(wanted)
@@ -44,7 +44,7 @@ def interpolation_error(
         whole = lagrange(measured[chosen], wanted[k]) @ values[chosen]
         fewer = np.delete(chosen, np.argmax(np.abs(measured[chosen] - wanted[k])))
         less = lagrange(measured[fewer], wanted[k]) @ values[fewer]
-        error[k] = np.hypot(*(whole - less))
+        error[k] = np.abs(whole - less)
     return error
 
 
