@@ -75,17 +75,20 @@ class Lens:
         Returns:
             Directions without distortion [1]; NaN where the pixel is.
         """
-        cv2 = opencv()
-        flat = np.ascontiguousarray(pixels, float).reshape(-1, 1, 2)
-        if not len(flat):
+        if not np.size(pixels):
             return np.zeros(np.shape(pixels))
-        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, _STEPS, _CLOSE)
-        seen = np.isfinite(flat).all(axis=-1, keepdims=True)
-        filled = np.where(seen, flat, self.matrix[:2, 2])
-        found = cv2.undistortPoints(
-            filled, self.matrix, self.distortion, None, None, None, criteria
-        )
-        return np.where(seen, found, np.nan).reshape(np.shape(pixels))
+        seen = np.isfinite(pixels).all(axis=-1, keepdims=True)
+        wanted = np.where(seen, pixels, self.matrix[:2, 2])
+        scale = self.matrix[[0, 1], [0, 1]]
+        found = (wanted - self.matrix[:2, 2]) / scale
+        for _ in range(_STEPS):
+            # The distortion is a small part of the whole, so this contracts.
+            points = np.concatenate([found, np.ones((*found.shape[:-1], 1))], axis=-1)
+            step = (wanted - self.pixels(points)) / scale
+            found = found + step
+            if np.abs(step).max() < _CLOSE:
+                break
+        return np.where(seen, found, np.nan)
 
     def pixels(self, points: Float64[np.ndarray, "*many 3"]) -> Float64[np.ndarray, "*many 2"]:
         """Where points before the camera are seen.

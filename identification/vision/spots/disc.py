@@ -15,6 +15,7 @@ by each program in its own way.
 """
 
 import dataclasses
+import math
 
 import numpy as np
 from jaxtyping import Bool, Float64, UInt8
@@ -54,7 +55,8 @@ class Shape:
     @property
     def radius(self) -> float:
         """Radius of the circle with its area [px]."""
-        return float(np.sqrt(abs(np.linalg.det(self.axes))))
+        (a, b), (c, d) = self.axes.tolist()
+        return math.sqrt(abs(a * d - b * c))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -179,8 +181,7 @@ def _coverage(
     The edge is a straight one to each pixel, as the blur is short beside the radius.
     """
     count = max(1, int(np.ceil(np.hypot(*shape.travel) / (1.5 * shape.blur))))
-    inverse = np.linalg.inv(shape.axes)
-    (a, b), (c, d) = inverse / shape.blur
+    (a, b), (c, d) = (np.linalg.inv(shape.axes) / shape.blur).tolist()
     total = np.zeros((4, len(x)))
     for share in (np.arange(count) + 0.5) / count - 0.5:
         dx, dy = x - share * shape.travel[0], y - share * shape.travel[1]
@@ -196,7 +197,7 @@ def _coverage(
     total /= count
     cover, *slopes = total
     # How near the edge is, by the bell: it says so for a disc that moves, too.
-    edge = slopes[2] * (_SQRT_TAU * shape.blur * count * np.sqrt(abs(np.linalg.det(inverse))))
+    edge = slopes[2] * (_SQRT_TAU * shape.blur * count * 1 / shape.radius)
     reach = (cover > 0.5) | (edge > np.exp(-0.5 * _MARGIN**2))
     rim = ~reach & (edge > np.exp(-0.5 * _RIM**2))
     return cover, tuple(slopes), reach, rim

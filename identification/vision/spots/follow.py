@@ -32,6 +32,7 @@ _OTHER_TRAVEL = 0.5
 _TURN = 0.12
 _MOSTLY = 0.5
 _FASTEST = 3.0
+_CALM, _STEADY, _EVERY = 8, 0.1, 4
 _AREAS = (0.3, 2.0)
 _MISSING = np.full(2, np.nan)
 
@@ -102,6 +103,7 @@ class Follower:
         self.start = start
         self.trails = [Trail() for _ in vision.markers]
         self.shift = np.zeros(2)
+        self._shifts: list[Float64[np.ndarray, " 2"]] = []
         self._last: Seen | None = None
         bodies = [marker.body for marker in vision.markers]
         self._alone = [bodies.count(body) == 1 for body in bodies]
@@ -124,6 +126,8 @@ class Follower:
         Returns:
             What is seen of them.
         """
+        if self._is_steady() and frame.number % _EVERY:
+            return _seen([None] * len(self._mark_looks))
         rows = zip(self._mark_looks, self._mark_pixels, self._mark_shapes, strict=True)
         seen = [
             look.at(frame.picture, pixel + self.shift, shape, 2 * _REACH)
@@ -136,7 +140,12 @@ class Follower:
         ]
         if moved:
             self.shift = np.median(moved, axis=0)
+            self._shifts = [*self._shifts[1 - _CALM :], self.shift]
         return _seen(seen)
+
+    def _is_steady(self) -> bool:
+        """Whether the marks have stood still: they needn't be looked at so often then."""
+        return len(self._shifts) == _CALM and np.ptp(self._shifts, axis=0).max() < _STEADY
 
     def markers(self, frame: Frame, time: float) -> Seen:
         """The markers in the next picture.
