@@ -13,7 +13,7 @@ Picture = UInt8[np.ndarray, "height width 3"]
 
 _STRONG, _BRIGHT = 0.45, 0.12
 _LEAST_RADIUS, _MOST_RADIUS = 4.0, 80.0
-_ROUND, _STRETCHED = 0.955, 1.35
+_ROUND, _RAGGED, _STRETCHED = 0.955, 0.35, 1.35
 _APART = 8.0
 _FRAYED = 5
 
@@ -84,7 +84,9 @@ def _is_round(inside: Bool[np.ndarray, "height width"]) -> bool:
     off = points - points.mean(axis=0)
     square = (off @ np.linalg.inv(covariance) * off).sum(axis=1)
     kurtosis = (square**2).mean() / square.mean() ** 2
-    return bool(_ROUND < filled * (4 / 3) / kurtosis < 1 / _ROUND)
+    # A small one's edge has few pixels to be smooth with.
+    least = _ROUND - _RAGGED / np.sqrt(len(points) / np.pi)
+    return bool(least < filled * (4 / 3) / kurtosis < 1 / least)
 
 
 def _core(inside: np.ndarray) -> np.ndarray:

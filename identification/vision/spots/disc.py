@@ -180,7 +180,7 @@ def _coverage(
 
     The edge is a straight one to each pixel, as the blur is short beside the radius.
     """
-    count = max(1, int(np.ceil(np.hypot(*shape.travel) / (1.5 * shape.blur))))
+    count = max(1, int(np.ceil(np.hypot(*shape.travel) / (2 * shape.blur))))
     (a, b), (c, d) = (np.linalg.inv(shape.axes) / shape.blur).tolist()
     total = np.zeros((4, len(x)))
     for share in (np.arange(count) + 0.5) / count - 0.5:

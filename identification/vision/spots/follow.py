@@ -33,7 +33,7 @@ _TURN = 0.12
 _MOSTLY = 0.5
 _FASTEST = 3.0
 _CALM, _STEADY, _EVERY = 8, 0.1, 4
-_AREAS = (0.3, 2.0)
+_SMALLER, _LARGER, _FRAYED = 0.3, 2.5, 3.0
 _MISSING = np.full(2, np.nan)
 
 
@@ -145,7 +145,8 @@ class Follower:
 
     def _is_steady(self) -> bool:
         """Whether the marks have stood still: they needn't be looked at so often then."""
-        return len(self._shifts) == _CALM and np.ptp(self._shifts, axis=0).max() < _STEADY
+        calm = len(self._shifts) == _CALM
+        return calm and bool(np.ptp(self._shifts, axis=0).max() < _STEADY)
 
     def markers(self, frame: Frame, time: float) -> Seen:
         """The markers in the next picture.
@@ -294,9 +295,11 @@ class Follower:
 
     def _candidates(self, picture: Picture, k: int, look: Look) -> list[Candidate]:
         middle = np.array(picture.shape[1::-1]) / 2
-        usual = np.pi * self._shape(k, middle).radius ** 2
+        radius = self._shape(k, middle).radius
+        # Chroma of half of the pixels colours the ground around a disc, and so does its path.
+        least, most = _SMALLER * np.pi * radius**2, _LARGER * np.pi * (radius + _FRAYED) ** 2
         candidates = []
-        for pixel in look.places(picture, _AREAS[0] * usual, _AREAS[1] * usual):
+        for pixel in look.places(picture, least, most):
             sighting = look.at(picture, pixel, self._shape(k, pixel), _REACH)
             if sighting is None or self._is_strange(sighting) or not sighting.is_whole:
                 continue

@@ -15,6 +15,7 @@ from jaxtyping import Float64
 _SIDES = 2
 _APART = 5.0
 _TIMELESS = 2e-4
+_OF_LINE = 0.3
 
 
 def interpolation_error(
@@ -44,7 +45,8 @@ def interpolation_error(
         whole = lagrange(measured[chosen], wanted[k]) @ values[chosen]
         fewer = np.delete(chosen, np.argmax(np.abs(measured[chosen] - wanted[k])))
         less = lagrange(measured[fewer], wanted[k]) @ values[fewer]
-        error[k] = np.abs(whole - less)
+        # A line through two is far worse than the parabola that it stands for.
+        error[k] = np.abs(whole - less) * (_OF_LINE if len(fewer) == 2 else 1)
     return error
 
 
