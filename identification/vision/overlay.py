@@ -88,9 +88,9 @@ def draw(
         colour = _WHOLE if counts else _HIDDEN
         _circle(cv2, picture, centre, _radius(tracked, marker, place), colour)
         label = spot_name(vision, marker) + ("" if counts else ", not used")
-        _text(cv2, picture, label, centre + np.array([18, -14]), colour)
+        _text(cv2, picture, label, centre + np.array([18.0, -14.0]), colour)
     for line, words in enumerate(_words(tracked, frame)):
-        _text(cv2, picture, words, np.array([16, 32 + 26 * line]), (255, 255, 255))
+        _text(cv2, picture, words, np.array([16.0, 32.0 + 26 * line]), (255, 255, 255))
 
 
 def _words(tracked: Tracked, frame: int) -> list[str]:

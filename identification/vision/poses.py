@@ -15,6 +15,12 @@ from identification.vision.timing.tripod import shake_at
 
 COLUMNS = ("x_e", "y_e", "delta_e", "q_3", "q_4")
 """Columns of `camera.csv` after the time."""
+OF_BODY = {
+    "end_effector": ("x_e", "y_e", "delta_e"),
+    "lower_carriage": ("q_3",),
+    "upper_carriage": ("q_4",),
+}
+"""Columns that a body's pose is."""
 _OFF_BODY = 1.5e-3
 _SCALE = 0.05
 _ROUNDS = 6

@@ -10,8 +10,9 @@ from jaxtyping import Bool, Float64
 
 from identification.vision.lens import Lens, Marks, calibrate, fit_plane
 from identification.vision.pictures.stream import Video, pictures
-from identification.vision.poses import Poses, poses_of, whole_markers
+from identification.vision.poses import OF_BODY, Poses, poses_of, whole_markers
 from identification.vision.settings.document import Vision
+from identification.vision.spots.bodies import of_bodies
 from identification.vision.spots.follow import Follower, Seen
 from identification.vision.spots.look import MOST_HIDDEN
 from identification.vision.spots.marks import (
@@ -54,6 +55,8 @@ class Tracked:
     """How far each picture was shifted [px]."""
     doubled: Bool[np.ndarray, " frames"]
     """Which pictures are the one before once more."""
+    columns: tuple[str, ...]
+    """Columns of the bodies that have markers."""
     dropped: int
     """Pictures that were dropped, by the stamps."""
     warnings: tuple[str, ...]
@@ -62,10 +65,8 @@ class Tracked:
     @property
     def posed(self) -> int:
         """Pictures in which every body that has markers has a pose."""
-        columns = [each for each in self.poses.values.values() if np.isfinite(each).any()]
-        if not columns:
-            return 0
-        return int(np.isfinite(columns).all(axis=0).sum())
+        wanted = np.array([self.poses.values[name] for name in self.columns])
+        return int(np.isfinite(wanted).all(axis=0).sum())
 
 
 def track(vision: Vision, folder: Path, *, progress: Progress = SILENT) -> Tracked:
@@ -207,6 +208,7 @@ def _put_together(
         pixels,
         shake,
         again,
+        tuple(name for body, _ in of_bodies(vision) for name in OF_BODY[body]),
         dropped(clock.frames if vision.time.stamps else read.stored),
         (*notes, *_warnings(vision, read, clock, shake)),
     )

@@ -21,20 +21,20 @@ class Found:
     colour: str
     """Name of its colour."""
     first: Disc
-    """It in the first picture."""
+    """It where it was found first."""
     path: Float64[np.ndarray, "pictures 2"]
     """Where it is in each that it was found in [px]."""
 
     @property
     def moves(self) -> bool:
         """Whether it is a marker: marks stay where they are."""
-        return bool(np.nanmax(np.ptp(self.path, axis=0)) > _STILL)
+        return bool(np.max(np.ptp(self.path, axis=0)) > _STILL)
 
 
 def followed(
     discs: list[list[Disc]], colours: dict[str, tuple[float, float]], size: int
 ) -> Iterator[Found]:
-    """Discs of the first picture that are seen in half of the others, too.
+    """Discs that are seen in half of the pictures.
 
     Args:
         discs: Discs of each picture.
@@ -45,20 +45,27 @@ def followed(
         Each with its path.
     """
     for name, colour in colours.items():
-        own = [[disc for disc in each if has_hue(colour, disc.hue)] for each in discs]
-        for first in own[0]:
-            path, at = [first.centre], first.centre
-            for others in own[1:]:
-                near = [
-                    d
-                    for d in others
-                    if np.hypot(*(d.centre - at)) < _JUMP * size
-                    and abs(d.radius / first.radius - 1) < _ALIKE
-                ]
-                best = min(near, key=lambda d: float(np.hypot(*(d.centre - at))), default=None)
-                if best is not None:
-                    at = best.centre
-                path.append(np.full(2, np.nan) if best is None else at)
-            seen = np.isfinite(np.array(path)[:, 0])
-            if seen.mean() > _MOSTLY:
-                yield Found(name, first, np.array(path)[seen])
+        trails: list[list[Disc]] = []
+        for each in discs:
+            _lengthen(trails, [d for d in each if has_hue(colour, d.hue)], _JUMP * size)
+        for trail in trails:
+            if len(trail) > _MOSTLY * len(discs):
+                yield Found(name, trail[0], np.array([disc.centre for disc in trail]))
+
+
+def _lengthen(trails: list[list[Disc]], discs: list[Disc], reach: float) -> None:
+    """Put a picture's discs at the ends of trails, the nearest first; the rest begin some."""
+    pairs = sorted(
+        (float(np.hypot(*(disc.centre - trail[-1].centre))), a, b)
+        for a, trail in enumerate(trails)
+        for b, disc in enumerate(discs)
+        if abs(disc.radius / trail[-1].radius - 1) < _ALIKE
+    )
+    longer: set[int] = set()
+    taken: set[int] = set()
+    for distance, a, b in pairs:
+        if distance < reach and a not in longer and b not in taken:
+            trails[a].append(discs[b])
+            longer.add(a)
+            taken.add(b)
+    trails += [[disc] for b, disc in enumerate(discs) if b not in taken]

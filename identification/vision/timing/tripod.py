@@ -61,7 +61,7 @@ def shake_of(
         shared = np.nanmean((shift[usable] - np.nanmean(shift[usable], axis=0)) ** 2)
         if not shared > _SIGNIFICANT * within / count:
             return still
-        rows = np.nanmean(pixels[..., 1], axis=1)
+        rows = _means(pixels)[:, 1]
         shake = _filled(at_frame_times(shift, clock.frames + clock.offset(rows), clock.frames))
     return shake
 

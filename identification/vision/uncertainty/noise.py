@@ -54,7 +54,7 @@ def noise_of(
     Returns:
         Their noise.
     """
-    share = (misfit / np.nanmean(misfit)) ** _OF_MISFIT
+    share = (misfit / misfit.mean()) ** _OF_MISFIT
     heights = [
         poses.off_body[:, k]
         for body, members in of_bodies(vision)

@@ -41,7 +41,8 @@ class Sigma:
     def position(self) -> float:
         """Root mean square of the positions' [m]."""
         known = [self.columns[name] for name in COLUMNS if name != "delta_e"]
-        return float(np.sqrt(np.nanmean(np.square(known))))
+        known = [each for each in known if np.isfinite(each)]
+        return float(np.sqrt(np.mean(np.square(known)))) if known else float("nan")
 
     @property
     def angle(self) -> float:
@@ -86,9 +87,21 @@ def _typical(poses: Poses) -> Float64[np.ndarray, "samples markers 2"]:
     """Where the markers were: some pictures from the whole of the track."""
     whole = np.flatnonzero(np.isfinite(poses.places[..., 0]).all(axis=1))
     if not len(whole):
-        return np.nanmedian(poses.places, axis=0)[None]
+        return _medians(poses.places)[None]
     chosen = whole[np.linspace(0, len(whole) - 1, min(len(whole), _SAMPLES)).astype(int)]
     return poses.places[chosen]
+
+
+def _medians(
+    places: Float64[np.ndarray, "frames markers 2"],
+) -> Float64[np.ndarray, "markers 2"]:
+    """Of each marker; NaN of those that were never seen."""
+    medians = np.full(places.shape[1:], np.nan)
+    for k in range(len(medians)):
+        seen = places[np.isfinite(places[:, k, 0]), k]
+        if len(seen):
+            medians[k] = np.median(seen, axis=0)
+    return medians
 
 
 def _pixel_sizes(
@@ -97,7 +110,7 @@ def _pixel_sizes(
     """What a pixel is at each marker [m]."""
     sizes = []
     for k, marker in enumerate(vision.markers):
-        at = np.nanmean(places[:, k], axis=0)
+        at = places[:, k].mean(axis=0)
         if not np.isfinite(at).all():
             sizes.append(np.nan)
             continue

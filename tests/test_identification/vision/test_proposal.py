@@ -12,7 +12,7 @@ from identification.vision.settings import VisionError, read_vision
 @pytest.fixture(scope="module")
 def film(tmp_path_factory):
     folder = tmp_path_factory.mktemp("film")
-    shoot(usual(6, frames=14, speed=1.5), folder)
+    shoot(usual(6, frames=14, speed=1.5, clutter=0), folder)
     return folder
 
 
