@@ -87,13 +87,13 @@ def _film(camera, seed, changes):
     return Film(camera=dataclasses.replace(camera, **lens), seed=seed, **changes)
 
 
-def shoot(film, folder, *, videos=("avi",), boards=0):
-    """Write a film's folder.
+def shoot(film, folder, *, videos=("avi",), boards=0, coordinates=None):
+    """Write a film's folder, of a motion that is given or the film's own.
 
     Returns the truth: poses at each stored picture's time.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    renderer = Renderer(film)
+    renderer = Renderer(film, coordinates)
     random = np.random.default_rng(film.seed + 5)
     stored, times, again, visible = [], [], [], []
     for k in range(film.frames):

@@ -119,11 +119,11 @@ def marker_places(coordinates):
 class Renderer:
     """What draws a film."""
 
-    def __init__(self, film):
+    def __init__(self, film, coordinates=None):
         self.film, self.camera = film, film.camera
         self.sight = Sight(film.camera)
         self.random = np.random.default_rng(film.seed)
-        self.coordinates = motion(film)
+        self.coordinates = coordinates or motion(film)
         self.phases = self.random.uniform(0, 2 * np.pi, (2, 3))
         share = (np.arange(self.camera.instants) + 0.5) / self.camera.instants - 0.5
         self.instants = share * self.camera.exposure

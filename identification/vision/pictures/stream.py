@@ -73,7 +73,8 @@ def pictures(path: Path, *, step: int = 1) -> Iterator[Video]:
         raise ValueError(f"{path}: no such video. Check the key `video` and its path.")
     opencv()  # is there, or is named as missing
     environment = {**os.environ, "OPENCV_LOG_LEVEL": "OFF", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
-    command = [sys.executable, "-m", "identification.vision.pictures.decoder"]
+    # Not what happens to lie in the working directory.
+    command = [sys.executable, "-P", "-m", "identification.vision.pictures.decoder"]
     child = subprocess.Popen(
         [*command, str(path.resolve()), str(step)],
         stdin=subprocess.DEVNULL,

@@ -168,7 +168,6 @@ class _Spot(_Table):
     colour: str | None = Field(None, examples=["yellow"])
     diameter: PositiveMetres | None = Field(None, examples=["44 mm"])
     aruco: Annotated[int, Field(ge=0)] | None = Field(None, examples=["7 (a number)"])
-    near: tuple[float, float] | None = Field(None, examples=["[154, 962]"])
 
     @model_validator(mode="after")
     def _one_look(self) -> "_Spot":
@@ -189,6 +188,7 @@ class Mark(_Spot):
     """`[[marks]]`: fixed, in the frame's coordinates."""
 
     z: Metres = Field(0.0, examples=["0 mm"])
+    near: tuple[float, float] | None = Field(None, examples=["[154, 962]"])
 
 
 class Marker(_Spot):

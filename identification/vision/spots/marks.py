@@ -215,11 +215,13 @@ def _blur(
 def _tag_radius(vision: Vision, view: View, picture: Picture) -> float:
     """How large the tags are, by those that are seen; they are mostly printed alike."""
     sizes = []
-    for mark in vision.marks:
-        if mark.aruco is None:
+    for spot in (*vision.marks, *vision.markers):
+        if spot.aruco is None:
             continue
-        size = tag_size(vision.dictionary, mark.aruco, picture)
-        if size is not None:
-            at = view.footprint(np.array([mark.x, mark.y, mark.z]))
+        seen = Tag(spot.aruco, vision.dictionary).places(picture, 0.0, np.inf)
+        size = tag_size(vision.dictionary, spot.aruco, picture)
+        if size is not None and len(seen) == 1:
+            depth = spot.depth if isinstance(spot, Marker) else spot.z
+            at = view.footprint(np.array([*view.places(seen[0], depth), depth]))
             sizes.append(size / np.sqrt(abs(np.linalg.det(at))))
     return float(np.median(sizes)) if sizes else _TAG_RADIUS
