@@ -5,7 +5,7 @@ import functools
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, UInt8
 
 from identification.vision.pictures.opencv import opencv
 from identification.vision.spots.disc import Shape
@@ -13,6 +13,7 @@ from identification.vision.spots.look import Look, Picture, Sighting
 
 _QUIET = 4
 _TIMES = 2
+_CELLS = 7
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,21 +34,18 @@ class Tag(Look):
         high = np.minimum(np.ceil(near + half) + 1, picture.shape[1::-1]).astype(int)
         if (high - low < 8).any():
             return None
-        cv2 = opencv()
         patch = np.ascontiguousarray(picture[low[1] : high[1], low[0] : high[0]])
-        # Cells of three pixels are missed in one picture of three, of six in none.
-        large = cv2.resize(patch, None, fx=_TIMES, fy=_TIMES, interpolation=cv2.INTER_CUBIC)
-        corners = _detected(self.dictionary, large).get(self.number)
+        corners = _detected(self.dictionary, patch).get(self.number)
         if corners is None:
             return None
-        centre = (_crossing(corners) + 0.5) / _TIMES - 0.5
+        centre = _crossing(corners)
         return Sighting(low + centre, 1.0, 0.0, 0.0)
 
     def places(
         self, picture: Picture, least: float, most: float
     ) -> list[Float64[np.ndarray, " 2"]]:
         """Where the tag is, if it is in the picture."""
-        corners = _in_whole(self.dictionary, picture).get(self.number)
+        corners = _detected(self.dictionary, picture).get(self.number)
         return [] if corners is None else [_crossing(corners)]
 
 
@@ -62,7 +60,7 @@ def tag_size(dictionary: str, number: int, picture: Picture) -> float | None:
     Returns:
         It [px]; None if the tag isn't seen.
     """
-    corners = _in_whole(dictionary, picture).get(number)
+    corners = _detected(dictionary, picture).get(number)
     if corners is None:
         return None
     return float(np.hypot(*(corners - corners.mean(axis=0)).T).mean())
@@ -75,25 +73,40 @@ def _crossing(corners: Float64[np.ndarray, "4 2"]) -> Float64[np.ndarray, " 2"]:
     return corners[0] + along[0] * first
 
 
-def _in_whole(dictionary: str, picture: Picture) -> dict[int, Float64[np.ndarray, "4 2"]]:
-    """Tags of a whole picture."""
+def _detected(dictionary: str, picture: Picture) -> dict[int, Float64[np.ndarray, "4 2"]]:
+    """Corners of the tags in a picture, by their numbers.
+
+    Tags are looked for in the picture twice as large, too: cells of four pixels are missed in
+    one picture of three. Corners are found anew in the picture itself.
+    """
     cv2 = opencv()
     large = cv2.resize(picture, None, fx=_TIMES, fy=_TIMES, interpolation=cv2.INTER_CUBIC)
-    found = _detected(dictionary, large)
-    return {number: (corners + 0.5) / _TIMES - 0.5 for number, corners in found.items()}
-
-
-def _detected(dictionary: str, picture: Picture) -> dict[int, Float64[np.ndarray, "4 2"]]:
-    corners, numbers, _ = _detector(dictionary).detectMarkers(picture)
-    if numbers is None:
-        return {}
-    flat = np.ravel(numbers).tolist()
+    grey = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
+    seen: dict[int, list[Float64[np.ndarray, "4 2"]]] = {}
+    for image, times in ((large, _TIMES), (picture, 1)):
+        corners, numbers, _ = _detector(dictionary).detectMarkers(image)
+        here: dict[int, list[Float64[np.ndarray, "4 2"]]] = {}
+        for number, each in zip(
+            [] if numbers is None else np.ravel(numbers), corners, strict=False
+        ):
+            flat = (np.asarray(each, float).reshape(4, 2) + 0.5) / times - 0.5
+            here.setdefault(int(number), []).append(flat)
+        seen |= here
     # One number seen twice is none that can be relied on.
-    return {
-        number: np.asarray(each, float).reshape(4, 2)
-        for number, each in zip(flat, corners, strict=True)
-        if flat.count(number) == 1
-    }
+    return {number: _refined(grey, each[0]) for number, each in seen.items() if len(each) == 1}
+
+
+def _refined(
+    grey: UInt8[np.ndarray, "height width"], corners: Float64[np.ndarray, "4 2"]
+) -> Float64[np.ndarray, "4 2"]:
+    """Corners to a tenth of a pixel, within less than a cell."""
+    cv2 = opencv()
+    side = float(np.hypot(*(corners - np.roll(corners, 1, axis=0)).T).min())
+    half = max(2, int(side / _CELLS / 2))
+    criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-3)
+    start = corners.astype(np.float32).reshape(-1, 1, 2)
+    fine = cv2.cornerSubPix(grey, start, (half, half), (-1, -1), criteria)
+    return np.asarray(fine, float).reshape(4, 2)
 
 
 @functools.cache
@@ -108,5 +121,4 @@ def _detector(dictionary: str) -> Any:
             f"{', '.join(known)}. Say the one that the tags were printed from."
         )
     settings = aruco.DetectorParameters()
-    settings.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
     return aruco.ArucoDetector(aruco.getPredefinedDictionary(getattr(aruco, name)), settings)
