@@ -12,6 +12,7 @@ from identification.vision.lens import Lens, Marks, calibrate, fit_plane
 from identification.vision.pictures.stream import Video, pictures
 from identification.vision.poses import OF_BODY, Poses, poses_of, whole_markers
 from identification.vision.settings.document import Vision
+from identification.vision.settings.read import spot_name
 from identification.vision.spots.bodies import of_bodies
 from identification.vision.spots.follow import Follower, Seen
 from identification.vision.spots.look import MOST_HIDDEN
@@ -259,6 +260,14 @@ def _warnings(
             f"the video ends after {count} of the {read.count} pictures that it says it has: "
             "it may be cut off"
         )
+    for spots, seen in ((vision.marks, read.marks), (vision.markers, read.markers)):
+        found = np.isfinite([each.pixel[:, 0] for each in seen]).any(axis=0)
+        for spot, there in zip(spots, found, strict=True):
+            if not there:
+                yield (
+                    f"{spot_name(vision, spot)} wasn't found in any picture: see with "
+                    "--overlay whether it is there, and what its colour is called"
+                )
     missing = np.count_nonzero(~np.isfinite(clock.frames))
     if missing:
         yield f"{missing} pictures have no stamp and aren't in camera.csv"

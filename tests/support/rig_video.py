@@ -50,6 +50,7 @@ class Film:
     begin: float = 0.05
     clutter: int = 8
     arm: bool = False
+    arm_light: tuple[float, float, float] = (0.12, 0.2, 0.35)
     speed: float = 1.0
     dropped: tuple[int, ...] = ()
     doubled: tuple[int, ...] = ()
@@ -289,7 +290,7 @@ class Renderer:
         when = t + self.camera.row_time(v)
         pixels = np.stack([u, v], -1).astype(float)
         cover = np.clip(0.5 - self._arm_distance(pixels, when), 0, 1)[..., None]
-        light += cover * (np.array([0.12, 0.2, 0.35]) - light)
+        light += cover * (np.array(self.film.arm_light) - light)
 
     def _wall(self):
         width, height = self.camera.size

@@ -8,8 +8,8 @@ from jaxtyping import Float64, UInt8
 
 from identification.vision.pictures.opencv import opencv
 from identification.vision.settings.document import Colour
-from identification.vision.spots.disc import Shape, measure
-from identification.vision.spots.look import Look, Picture, Sighting
+from identification.vision.spots.disc import Shape, measure, stored
+from identification.vision.spots.look import MOST_HIDDEN, Look, Picture, Sighting
 
 _HUES = 256 / (2 * math.pi)
 _MOST_STRETCHED = 2.5
@@ -18,6 +18,7 @@ _FEW = 8
 _NARROWER, _WIDER = -0.2, 0.8
 _POOR = 0.06
 _TRAVELS = (0.6, 1.0)
+_OTHER_SIZE = 0.08
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,7 +55,24 @@ class ColouredDisc(Look):
                         seen = other
             if seen is not None:
                 return seen
-        return None
+        return self._beneath(picture, near, shape)
+
+    def _beneath(
+        self, picture: Picture, near: Float64[np.ndarray, " 2"], shape: Shape
+    ) -> Sighting | None:
+        """The disc just where it is expected, its patch of colour being one with another's.
+
+        An arm of like colour beside it makes one patch of both, whose middle is neither's.
+        """
+        disc = measure(picture, near, shape)
+        if disc is None or disc.misfit > _POOR or disc.hidden > MOST_HIDDEN:
+            return None
+        if abs(disc.scale - 1) > _OTHER_SIZE:
+            return None
+        level = np.round(stored(disc.colour)).astype(np.uint8).reshape(1, 1, 3)
+        if not coloured(level, self.colour).any():
+            return None
+        return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit)
 
     def places(
         self, picture: Picture, least: float, most: float

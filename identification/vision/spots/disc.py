@@ -249,7 +249,7 @@ def _shares(
     along = np.clip(apart @ difference / square, 0, 1)
     off = np.sqrt(((apart - along[..., None] * difference) ** 2).sum(axis=-1) / square)
     mixed = np.clip(ground + _SHARES[:, None] * difference, 0, 1)
-    levels = _stored(mixed) @ LUMA
+    levels = stored(mixed) @ LUMA
     if levels[-1] < levels[0]:
         share = np.interp(luma, levels[::-1], _SHARES[::-1])
     else:
@@ -257,7 +257,14 @@ def _shares(
     return share, off
 
 
-def _stored(light: Float64[np.ndarray, "... 3"]) -> Float64[np.ndarray, "... 3"]:
-    """Levels of light, of sRGB."""
+def stored(light: Float64[np.ndarray, "*many 3"]) -> Float64[np.ndarray, "*many 3"]:
+    """Levels that light is stored as.
+
+    Args:
+        light: Light [1].
+
+    Returns:
+        Levels of sRGB, not rounded.
+    """
     curved = 1.055 * np.maximum(light, 0.0031308) ** (1 / 2.4) - 0.055
     return 255 * np.where(light <= 0.0031308, 12.92 * light, curved)
