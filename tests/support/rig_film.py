@@ -5,6 +5,7 @@ import dataclasses
 import cv2
 import numpy as np
 from rig_camera import Camera, Sight
+from rig_pictures import developed, jpeg, write_avi, write_mp4
 from rig_video import (
     HEIGHT,
     HUES,
@@ -12,10 +13,6 @@ from rig_video import (
     MARKS,
     Film,
     Renderer,
-    developed,
-    jpeg,
-    write_avi,
-    write_mp4,
 )
 
 COLUMNS = ("x_e", "y_e", "delta_e", "q_3", "q_4")

@@ -27,16 +27,16 @@ _LEVELS = np.arange(256) / 255
 LINEAR = np.where(_LEVELS <= 0.04045, _LEVELS / 12.92, ((_LEVELS + 0.055) / 1.055) ** 2.4)
 """Light of each level, of sRGB [1]."""
 _SHARES = np.linspace(-0.25, 1.5, 176)
-_ROUNDS = 5
-_OFF_COLOUR = 0.35
-_OFF_COLOUR_EDGE = 0.6
-_EDGE = 4e-3
-_FEW = 8
-_INSIDE = 0.6
-_RIM = 4.5
-_LIMIT = 0.35
-_MARGIN = 2.6
-_CLOSE = 3e-3
+_ROUNDS = 5  # it is there after three, where its colours were right
+_OFF_COLOUR = 0.35  # of the colours' distance; JPEG's chroma is off by up to 0.3
+_OFF_COLOUR_EDGE = 0.6  # where half of the chroma is the neighbours'
+_EDGE = 4e-3  # share at which a pixel is the edge's
+_FEW = 8  # pixels
+_INSIDE = 0.6  # share of the disc's own light
+_RIM = 4.5  # blurs
+_LIMIT = 0.35  # share: noise has 0.1, another thing 0.5 and more
+_MARGIN = 2.6  # blurs: 1 % of the edge's light is farther out
+_CLOSE = 3e-3  # px
 _LEAST_AMPLITUDE = 0.2
 _SQRT_TAU = np.sqrt(2 * np.pi)
 

@@ -19,66 +19,22 @@ from identification.vision.spots.bodies import (
 from identification.vision.spots.disc import Shape
 from identification.vision.spots.look import Look, Picture, Sighting
 from identification.vision.spots.marks import STILL, Start, look_of, mark_places
+from identification.vision.spots.trail import Trail
 
-_STILL = 4.0
-_MOVES = 3.0
-_STRANGE_SCALE = 0.2
-_STRANGE = 0.25
-_REACH = 5.0
-_SPREAD = 0.6
-_LOST_SPREAD = 3.0
-_SHORT_LOSS = 8
-_OTHER_TRAVEL = 0.5
-_TURN = 0.12
-_MOSTLY = 0.5
-_FASTEST = 3.0
-_CALM, _STEADY, _EVERY = 8, 0.1, 4
-_SMALLER, _LARGER, _FRAYED = 0.3, 2.5, 3.0
+_STILL = 4.0  # levels: two pictures that differ by less in every block are alike
+_MOVES = 3.0  # px: what is seen of a step for sure
+_STRANGE_SCALE = 0.2  # a disc that is a fifth larger is another one
+_STRANGE = 0.25  # misfit of what is no disc; discs have 0.02 to 0.1
+_REACH = 5.0  # px: beyond a good prediction
+_SPREAD = 0.6  # of a step: as much as it may change from one picture to the next
+_LOST_SPREAD = 3.0  # px for each picture in which it was missed
+_OTHER_TRAVEL = 0.5  # px: a path that is off by more is measured anew
+_TURN = 0.12  # rad: what a body may turn between two sights of both its markers
+_MOSTLY = 0.5  # share that is hidden where a place says nothing any more
+_FASTEST = 3.0  # m/s
+_CALM, _STEADY, _EVERY = 8, 0.1, 4  # pictures, px, pictures
+_SMALLER, _LARGER, _FRAYED = 0.3, 2.5, 3.0  # of a disc's area, and px around it
 _MISSING = np.full(2, np.nan)
-
-
-@dataclasses.dataclass
-class Trail:
-    """Where a marker was last, while a video is being read: the one thing that changes."""
-
-    pixel: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=_MISSING.copy)
-    """Where it was last [px]."""
-    mean_velocity: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=_MISSING.copy)
-    """How fast it was in the mean since the picture before; NaN if that isn't known [px/s]."""
-    velocity: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=lambda: np.zeros(2))
-    """How fast it was then [px/s]."""
-    time: float = 0.0
-    """When that was [s]."""
-    missed: int = 0
-    """Pictures since in which it wasn't seen."""
-
-    @property
-    def is_known(self) -> bool:
-        """Whether it was ever seen, and not long ago."""
-        return bool(np.isfinite(self.pixel[0])) and self.missed <= _SHORT_LOSS
-
-    def velocities(
-        self, pixel: Float64[np.ndarray, " 2"], time: float
-    ) -> tuple[Float64[np.ndarray, " 2"], Float64[np.ndarray, " 2"]]:
-        """How fast it is at its next place, had its acceleration been constant since.
-
-        Args:
-            pixel: The place [px].
-            time: When it is there [s].
-
-        Returns:
-            Its mean velocity since the place before, and the one there [px/s].
-        """
-        if not np.isfinite(self.pixel[0]) or self.missed > 1 or time <= self.time:
-            return _MISSING, np.zeros(2)
-        mean = (pixel - self.pixel) / (time - self.time)
-        change = mean - self.mean_velocity
-        return mean, mean + (0.5 * change if np.isfinite(change[0]) else 0.0)
-
-    def moved_to(self, pixel: Float64[np.ndarray, " 2"], time: float) -> None:
-        """Take note of where it is now."""
-        self.mean_velocity, self.velocity = self.velocities(pixel, time)
-        self.pixel, self.time, self.missed = pixel, time, 0
 
 
 @dataclasses.dataclass(frozen=True)

@@ -11,15 +11,15 @@ from identification.campaign.tables.columns import TIME
 from identification.campaign.tables.text_file import read_text
 from identification.vision.settings.document import FIRST_STAMP, Time
 
-_CERTAIN = 0.3
-_NOISY = 1.0
-_LEVEL = 0.1
-_MOST = 0.3
-_NOTHING = 4.0
-_COPY = 0.5
-_MOVES = 0.5
-_STAYS = 0.15
-_GAP = 1.5
+_CERTAIN = 0.3  # of the change beside it
+_NOISY = 1.0  # levels: two pictures of a noisy camera differ by more
+_LEVEL = 0.1  # levels: no change is less
+_MOST = 0.3  # share of pictures that may be copies
+_NOTHING = 4.0  # levels: what coding a picture twice may cost
+_COPY = 0.5  # levels: a copy that wasn't coded anew
+_MOVES = 0.5  # px
+_STAYS = 0.15  # of the steps before and after
+_GAP = 1.5  # usual intervals
 
 
 @dataclasses.dataclass(frozen=True)

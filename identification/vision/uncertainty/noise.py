@@ -10,11 +10,11 @@ from identification.vision.poses import Poses
 from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import of_bodies
 
-_LEAST_NOISE = 0.01
-_KEPT = 0.8
-_OF_KEPT = 0.4377
-_OF_UNSURE = 0.18
-_OF_MISFIT = 0.65
+_LEAST_NOISE = 0.01  # px: where a disc lies on the pixels costs that
+_KEPT = 0.8  # share of the squares
+_OF_KEPT = 0.4377  # mean square of a normal deviate's smaller four fifths
+_OF_UNSURE = 0.18  # of the step from one order to the next, by rendered films
+_OF_MISFIT = 0.65  # power, between none and proportional, by rendered films
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,10 +8,10 @@ from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import of_bodies
 from identification.vision.spots.marks import colour_magnification, mark_places, mark_radii
 
-_LEAST_ERROR = 0.01
-_STEP = 0.05
-_OF_COLOUR = 0.5
-_SHARED = 1.3
+_LEAST_ERROR = 0.01  # px
+_STEP = 0.05  # px
+_OF_COLOUR = 0.5  # of the correction: so well is it known
+_SHARED = 1.3  # for what all photos share, by rendered films
 
 
 def systematic_variances(

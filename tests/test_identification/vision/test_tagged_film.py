@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from rig_camera import Camera, Sight
 from rig_film import document
-from rig_video import MARKERS, MARKS, Film, developed, jpeg, marker_places, write_avi
+from rig_pictures import developed, jpeg, write_avi
+from rig_video import MARKERS, MARKS, Film, marker_places
 
 from identification.vision.settings import read_vision
 from identification.vision.tracking import track
