@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,11 @@ _CERTAIN = 0.3  # of the change beside it
 _NOISY = 1.0  # levels: two pictures of a noisy camera differ by more
 _LEVEL = 0.1  # levels: no change is less
 _MOST = 0.3  # share of pictures that may be copies
+_IN_A_ROW = 4  # pictures: a robot that stops takes longer to go on
 _NOTHING = 4.0  # levels: what coding a picture twice may cost
 _COPY = 0.5  # levels: a copy that wasn't coded anew
 _MOVES = 0.5  # px
+_FAST = 2.0  # px
 _STAYS = 0.15  # of the steps before and after
 _GAP = 1.5  # usual intervals
 
@@ -154,20 +157,34 @@ def doubled(
     """
     certain = change <= _apart(change[1:])
     stays = np.zeros(len(change), bool)
-    for k in range(2, len(change) - 1):
-        quiet = change[k] < min(_NOTHING, _CERTAIN * change[k - 1], _CERTAIN * change[k + 1])
-        stays[k] = quiet and _stayed(pixels[k - 2 : k + 2])
+    for first, last in _quiet_runs(change):
+        around = min(change[first - 1], change[last + 1])
+        less = change[first : last + 1].max() < _CERTAIN * around
+        if less and _stayed(pixels[[first - 2, first - 1, last, last + 1]]):
+            stays[first : last + 1] = True
     found = certain | stays
     found[:1] = False
     return found
 
 
+def _quiet_runs(change: Float64[np.ndarray, " frames"]) -> Iterator[tuple[int, int]]:
+    """First and last of some pictures in a row in which hardly anything changes."""
+    quiet = np.concatenate([[False], change < _NOTHING, [False]])
+    edges = np.flatnonzero(np.diff(quiet.astype(int)))
+    for first, after in edges.reshape(-1, 2).tolist():
+        if first >= 2 and after < len(change) and after - first <= _IN_A_ROW:
+            yield first, after - 1
+
+
 def _stayed(pixels: Float64[np.ndarray, "4 markers 2"]) -> bool:
-    """Whether all that moves before and after a picture, in one direction, stays in it."""
-    before, now, after = np.diff(pixels, axis=0)
-    length = np.minimum(np.hypot(*before.T), np.hypot(*after.T))
-    moving = (length > _MOVES) & ((before * after).sum(axis=1) > 0)
-    still = np.hypot(*now.T) < _STAYS * length
+    """Whether all that moves before and after some pictures stays where it is in them.
+
+    Which way it goes on isn't asked: where a vibration turns, a copy is as wrong.
+    """
+    before, now, after = (np.hypot(*step.T) for step in np.diff(pixels, axis=0))
+    length = np.minimum(before, after)
+    moving = (length > _MOVES) & (np.maximum(before, after) > _FAST)
+    still = now < _STAYS * np.maximum(before, after)
     return bool(moving.any() and still[moving].all())
 
 

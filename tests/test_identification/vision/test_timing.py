@@ -116,6 +116,17 @@ def test_a_copy_that_a_codec_has_changed_is_told_by_what_has_not_moved():
     assert np.flatnonzero(doubled(change, pixels)).tolist() == [20]
 
 
+def test_copies_in_a_row_are_told_and_a_robot_that_rests_is_none():
+    pixels = moving()
+    pixels[20:22] = pixels[19]
+    change = np.full(40, 80.0)
+    change[20:22] = 1.8, 1.9
+    assert np.flatnonzero(doubled(change, pixels)).tolist() == [20, 21]
+    pixels[20:32] = pixels[19]
+    change[20:32] = 1.9
+    assert not doubled(change, pixels).any()
+
+
 def test_a_steady_camera_is_left_alone_and_a_shaking_one_is_followed():
     random = np.random.default_rng(3)
     marks = random.uniform(0, 1000, (5, 2))
