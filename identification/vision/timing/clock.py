@@ -22,6 +22,8 @@ _COPY = 0.5  # levels: a copy that wasn't coded anew
 _MOVES = 0.5  # px
 _FAST = 2.0  # px
 _STAYS = 0.15  # of the steps before and after
+_RARE = 0.1  # share of pictures
+_FAR = 10.0  # times: a robot that begins to move passes all changes between
 _GAP = 1.5  # usual intervals
 
 
@@ -189,13 +191,19 @@ def _stayed(pixels: Float64[np.ndarray, "4 markers 2"]) -> bool:
 
 
 def _apart(change: Float64[np.ndarray, " pairs"]) -> float:
-    """The largest change of those that stand apart at the low end; negative if none do."""
+    """The largest change of those that stand apart at the low end; negative if none do.
+
+    Copies that were coded anew differ by as much as still pictures do. They are told by this
+    only where nothing is still, as by a lamp that flickers or a tripod that shakes.
+    """
     ordered = np.sort(change)
     few = ordered[: max(2, int(_MOST * len(ordered)))]
     if len(few) < 2:
         return -1.0
     ratios = (few[1:] + _LEVEL) / (few[:-1] + _LEVEL)
-    ratios[few[:-1] > _COPY] = 0.0
+    coded = few[:-1] > _COPY
+    rare = np.arange(1, len(few)) <= _RARE * len(ordered)
+    ratios[coded & ~(rare & (ratios > _FAR))] = 0.0
     gap = int(np.argmax(ratios))
     stands_apart = ratios[gap] * _CERTAIN > 1 and few[gap + 1] > _NOISY
     return float(few[gap]) if stands_apart else -1.0

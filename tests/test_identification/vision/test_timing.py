@@ -116,6 +116,13 @@ def test_a_copy_that_a_codec_has_changed_is_told_by_what_has_not_moved():
     assert np.flatnonzero(doubled(change, pixels)).tolist() == [20]
 
 
+def test_a_coded_copy_is_told_at_rest_where_a_lamp_flickers():
+    change = np.full(40, 55.0) + np.arange(40) % 7
+    change[[9, 25]] = 0.6, 3.1
+    found = doubled(change, np.zeros((40, 1, 2)))
+    assert np.flatnonzero(found).tolist() == [9, 25]
+
+
 def test_copies_in_a_row_are_told_and_a_robot_that_rests_is_none():
     pixels = moving()
     pixels[20:22] = pixels[19]
