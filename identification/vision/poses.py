@@ -22,7 +22,7 @@ OF_BODY = {
 }
 """Columns that a body's pose is."""
 _OFF_BODY = 1.5e-3  # m: ten times what a marker is off by
-_SCALE = 0.05  # of its usual size: a disc of 22 px is measured to 0.5 %
+_SCALE = 0.04  # of its usual size: a disc of 22 px is measured to 0.5 %
 _ROUNDS = 6
 _UNSURE = 1e-3  # m: no pose may be off by 3 mm
 
