@@ -16,6 +16,7 @@ VERBS: dict[str, dict[str, str]] = {
         "identify": "the robot's parameters with their uncertainty: parameters.json",
         "identify-drive": "one motor-driven axis: inertia, friction, offset from a log",
         "import": "logs of any make as runs of format 1, as a mapping says; or its proposal",
+        "track": "poses from a video of the rig: camera.csv",
         "frequencies": "natural frequency and damping of every knock: frequencies.csv",
         "design": "which experiment next: the run that narrows an interval the most a second",
     },

@@ -79,5 +79,10 @@ __getattr__, __dir__ = _front_door(
             "read_parameters",
             "write_parameters",
         ),
+        "identification.vision.settings": ("read_vision",),
+        "identification.vision.tracking": (
+            "Tracked",
+            "track",
+        ),
     },
 )

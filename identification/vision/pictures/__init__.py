@@ -1,0 +1,1 @@
+"""Pictures of a video, read by a process of their own."""

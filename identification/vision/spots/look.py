@@ -1,0 +1,68 @@
+"""What a mark or marker looks like, and how it is found: a disc, or a tag."""
+
+import abc
+import dataclasses
+
+import numpy as np
+from jaxtyping import Float64, UInt8
+
+from identification.vision.spots.disc import Shape
+
+Picture = UInt8[np.ndarray, "height width 3"]
+
+MOST_HIDDEN = 0.02
+"""Share of a disc that may be another colour for it to count as whole [1]."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Sighting:
+    """A mark or marker as it was seen."""
+
+    centre: Float64[np.ndarray, " 2"]
+    """Centroid of a disc's picture, centre of a tag's [px]."""
+    scale: float
+    """Size over the one that was expected [1]."""
+    hidden: float
+    """Share of it that is covered [1]."""
+    misfit: float
+    """How much it is unlike its shape [1]."""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether nothing is before it."""
+        return self.hidden < MOST_HIDDEN
+
+
+class Look(abc.ABC):
+    """What a mark or marker looks like."""
+
+    @abc.abstractmethod
+    def at(
+        self, picture: Picture, near: Float64[np.ndarray, " 2"], shape: Shape, reach: float
+    ) -> Sighting | None:
+        """Find it where it is expected.
+
+        Args:
+            picture: The picture.
+            near: Where it is expected [px].
+            shape: Its shape there.
+            reach: How far from there it may be [px].
+
+        Returns:
+            It, if it is there.
+        """
+
+    @abc.abstractmethod
+    def places(
+        self, picture: Picture, least: float, most: float
+    ) -> list[Float64[np.ndarray, " 2"]]:
+        """Everywhere in a picture where it might be.
+
+        Args:
+            picture: The picture.
+            least: Least area [px²].
+            most: Most area [px²].
+
+        Returns:
+            Places, to a few pixels [px].
+        """

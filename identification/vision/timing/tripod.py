@@ -1,0 +1,105 @@
+"""A tripod that shakes, by the marks: they stand still, so what they do is the camera's."""
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from identification.vision.timing.clock import Clock
+from identification.vision.timing.shutter import at_frame_times
+
+_SIGNIFICANT = 4.0
+_LEAST = 3
+
+
+def mean_marks(
+    pixels: Float64[np.ndarray, "frames marks 2"],
+    shake: Float64[np.ndarray, "frames 2"],
+) -> Float64[np.ndarray, "marks 2"]:
+    """Where the marks are in the mean, the shake taken off.
+
+    Args:
+        pixels: Where they are seen; NaN where they aren't [px].
+        shake: How far each picture is shifted [px].
+
+    Returns:
+        Means of the middle half; NaN where a mark was never seen [px].
+    """
+    steady = pixels - shake[:, None]
+    means = np.full(steady.shape[1:], np.nan)
+    for k in range(steady.shape[1]):
+        seen = np.sort(steady[np.isfinite(steady[:, k, 0]), k], axis=0)
+        if len(seen):
+            quarter = len(seen) // 4
+            means[k] = seen[quarter : len(seen) - quarter].mean(axis=0)
+    return means
+
+
+def shake_of(
+    pixels: Float64[np.ndarray, "frames marks 2"],
+    clock: Clock,
+    usable: Bool[np.ndarray, " frames"],
+) -> Float64[np.ndarray, "frames 2"]:
+    """How far each picture is shifted.
+
+    A mark's noise is in it, too, so it is taken for a shake only where the marks move
+    together by more than they do each on its own; a steady camera's pictures are left alone.
+
+    Args:
+        pixels: Where the marks are seen; NaN where they aren't [px].
+        clock: When which row is exposed.
+        usable: Pictures that aren't doubled.
+
+    Returns:
+        The shift at each picture's time [px]; zeros if it is none.
+    """
+    still = np.zeros((len(pixels), 2))
+    shake = still
+    for _ in range(3):
+        apart = pixels - mean_marks(pixels[usable], shake[usable])
+        shift = _means(apart)
+        within = np.nanmean((apart - shift[:, None]) ** 2)
+        count = max(np.isfinite(pixels[..., 0]).sum(axis=1).mean(), 1.0)
+        shared = np.nanmean((shift[usable] - np.nanmean(shift[usable], axis=0)) ** 2)
+        if not shared > _SIGNIFICANT * within / count:
+            return still
+        rows = _means(pixels)[:, 1]
+        shake = _filled(at_frame_times(shift, clock.frames + clock.offset(rows), clock.frames))
+    return shake
+
+
+def shake_at(
+    shake: Float64[np.ndarray, "frames 2"],
+    times: Float64[np.ndarray, " frames"],
+    wanted: Float64[np.ndarray, " frames"],
+) -> Float64[np.ndarray, "frames 2"]:
+    """The shift at a marker's own row.
+
+    Args:
+        shake: The shift at the pictures' times [px].
+        times: These times [s].
+        wanted: The row's times [s].
+
+    Returns:
+        The shift then [px].
+    """
+    if not shake.any():
+        return np.zeros_like(shake)
+    return _filled(at_frame_times(shake, times, wanted))
+
+
+def _means(apart: Float64[np.ndarray, "frames marks 2"]) -> Float64[np.ndarray, "frames 2"]:
+    """Mean over the marks that are seen; NaN with too few."""
+    enough = np.isfinite(apart[..., 0]).sum(axis=1) >= _LEAST
+    means = np.full((len(apart), 2), np.nan)
+    means[enough] = np.nanmean(apart[enough], axis=1)
+    return means
+
+
+def _filled(shift: Float64[np.ndarray, "frames 2"]) -> Float64[np.ndarray, "frames 2"]:
+    """Shifts that aren't known, between those that are."""
+    known = np.isfinite(shift[:, 0])
+    if not known.any():
+        return np.zeros_like(shift)
+    places = np.arange(len(shift))
+    return np.stack(
+        [np.interp(places, places[known], column[known]) for column in shift.T], axis=-1
+    )

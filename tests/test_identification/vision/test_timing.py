@@ -1,0 +1,149 @@
+from pathlib import Path
+
+import hypothesis
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+
+from identification.vision.settings.document import Time
+from identification.vision.timing.clock import doubled, dropped, read_clock
+from identification.vision.timing.shutter import (
+    at_frame_times,
+    interpolation_error,
+    lagrange,
+)
+from identification.vision.timing.tripod import mean_marks, shake_of
+
+FRAMES = 0.05 + np.arange(20) / 30
+number = st.floats(-2, 2)
+
+
+def clock(height=1001, **changes):
+    time = {"frame_rate": "30 Hz", "first_frame": "0.05 s", "readout": "20 ms", **changes}
+    return read_clock(Time(**time), Path(), count=len(FRAMES), height=height)
+
+
+@hypothesis.given(coefficients=st.lists(number, min_size=5, max_size=5))
+def test_motion_of_the_fourth_order_is_put_at_the_pictures_time_exactly(coefficients):
+    late = FRAMES + 8e-3
+    values = np.polynomial.polynomial.polyval(late, coefficients)
+    wanted = np.polynomial.polynomial.polyval(FRAMES, coefficients)
+    found = at_frame_times(np.stack([values, -values], axis=-1), late, FRAMES)
+    # 1e-12: some roundings of numbers up to 20.
+    np.testing.assert_allclose(found[2:-2, 0], wanted[2:-2], atol=1e-12)
+
+
+def test_vibration_of_five_hertz_is_followed_to_a_hundredth_of_what_the_rows_cost():
+    def place(t):
+        return 6e-3 * np.sin(2 * np.pi * 5 * t)
+
+    late = FRAMES + 8e-3
+    found = at_frame_times(np.stack([place(late)] * 2, axis=-1), late, FRAMES)[:, 0]
+    cost = np.abs(place(late) - place(FRAMES)).max()
+    assert np.abs(found - place(FRAMES))[2:-2].max() < 0.05 * cost
+
+
+def test_a_sample_without_two_neighbours_has_no_value_at_another_time():
+    values = np.full((20, 2), np.nan)
+    values[[3, 4, 14]] = 1.0
+    assert np.isnan(at_frame_times(values, FRAMES + 5e-3, FRAMES)).all()
+
+
+def test_what_the_neighbours_disagree_about_is_told():
+    values = np.zeros((20, 2))
+    values[11:] = 5.0
+    error = interpolation_error(values, FRAMES + 8e-3, FRAMES)
+    assert error[10].min() > 0.1
+    assert error[4].max() == 0
+
+
+def test_weights_of_a_polynomial_add_up_to_one():
+    assert lagrange(np.array([0.0, 1.0, 2.5]), 0.7).sum() == pytest.approx(1)
+
+
+def test_rows_are_exposed_around_the_middle_one_in_the_direction_that_is_stated():
+    down, up = clock(), clock(readout_direction="up")
+    assert down.offset(np.array([0.0, 500.0, 1000.0])) == pytest.approx([-0.01, 0, 0.01])
+    assert up.offset(np.array([0.0, 1000.0])) == pytest.approx([0.01, -0.01])
+
+
+def test_a_stamp_of_the_first_row_is_half_of_exposure_and_readout_early():
+    late = clock(exposure="4 ms", stamp_at="first row, start of exposure")
+    np.testing.assert_allclose(late.frames, FRAMES + 12e-3)
+
+
+def test_stamps_are_taken_from_their_file_and_pictures_without_one_have_no_time(tmp_path):
+    (tmp_path / "frames.csv").write_text("frame,t [ms]\n0,50\n1,83\n3,150\n")
+    time = Time(stamps="frames.csv")
+    found = read_clock(time, tmp_path, count=4, height=10).frames
+    np.testing.assert_allclose(found, [0.05, 0.083, np.nan, 0.15])
+    assert dropped(np.array([0.0, 1.0, 2.0, 5.0, 6.0])) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [("number,time\n1,2\n", "`frame` and `t"), ("frame,t [s]\n0,x\n", "row 2"), ("", "none")],
+)
+def test_stamps_that_cannot_be_read_are_refused(tmp_path, text, word):
+    (tmp_path / "frames.csv").write_text(text)
+    with pytest.raises(ValueError, match=r"frames\.csv") as caught:
+        read_clock(Time(stamps="frames.csv"), tmp_path, count=4, height=10)
+    assert word in str(caught.value)
+
+
+def moving(count=40):
+    return np.stack([np.arange(count) * 5.0, np.zeros(count)], axis=-1)[:, None]
+
+
+def test_a_copied_picture_is_told_among_still_and_moving_ones():
+    change = np.array([np.inf] + [2.7, 2.6, 2.9, 2.8] * 5 + [40.0, 55.0] * 9 + [38.0])
+    change[[7, 30]] = 0.0, 0.3
+    found = doubled(change, np.zeros((len(change), 1, 2)))
+    assert np.flatnonzero(found).tolist() == [7, 30]
+
+
+def test_still_pictures_are_no_copies():
+    change = np.array([np.inf] + [2.2, 2.5, 2.4, 2.3] * 3 + [14.0, 45.0, 60.0] * 9)
+    assert not doubled(change, np.zeros((len(change), 1, 2))).any()
+
+
+def test_a_copy_that_a_codec_has_changed_is_told_by_what_has_not_moved():
+    pixels = moving()
+    pixels[20] = pixels[19]
+    change = np.full(40, 45.0)
+    change[20] = 3.1
+    change[:4] = 2.5
+    assert np.flatnonzero(doubled(change, pixels)).tolist() == [20]
+
+
+def test_a_coded_copy_is_told_at_rest_where_a_lamp_flickers():
+    change = np.full(40, 55.0) + np.arange(40) % 7
+    change[[9, 25]] = 0.6, 3.1
+    found = doubled(change, np.zeros((40, 1, 2)))
+    assert np.flatnonzero(found).tolist() == [9, 25]
+
+
+def test_copies_in_a_row_are_told_and_a_robot_that_rests_is_none():
+    pixels = moving()
+    pixels[20:22] = pixels[19]
+    change = np.full(40, 80.0)
+    change[20:22] = 1.8, 1.9
+    assert np.flatnonzero(doubled(change, pixels)).tolist() == [20, 21]
+    pixels[20:32] = pixels[19]
+    change[20:32] = 1.9
+    assert not doubled(change, pixels).any()
+
+
+def test_a_steady_camera_is_left_alone_and_a_shaking_one_is_followed():
+    random = np.random.default_rng(3)
+    marks = random.uniform(0, 1000, (5, 2))
+    noise = random.normal(0, 0.02, (20, 5, 2))
+    still = marks + noise
+    every = np.ones(20, bool)
+    assert not shake_of(still, clock(), every).any()
+    wave = np.stack([np.sin(2 * np.pi * 2 * FRAMES), np.cos(2 * np.pi * 3 * FRAMES)], axis=-1)
+    shake = shake_of(still + wave[:, None], clock(readout="0 s"), every)
+    apart = shake - wave
+    # Five marks' noise of 0.02 px, and a constant that is the marks' own place.
+    assert (apart - apart.mean(axis=0)).std() < 0.02
+    assert np.isfinite(mean_marks(still, shake)).all()
