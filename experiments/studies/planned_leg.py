@@ -50,7 +50,7 @@ def compare(robot: Robot, controller: PD, planned: Planned) -> Compared:
     Returns:
         Both on every robot, in the time of the plan.
     """
-    leg, plan = planned.leg, planned.plan
+    leg, plan = planned.leg, planned.rigid
     robots = dataclasses.replace(
         varied(robot, ROBOTS, np.asarray(leg.start)),
         out_of_line=np.array([own.out_of_line for own in ROBOTS]) + _share(robot, leg),

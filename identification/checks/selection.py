@@ -13,6 +13,7 @@ from identification.fit.problem import Problem
 from identification.fit.unknowns.models import REFINEMENTS, Model, Refinement
 from identification.fit.unknowns.options import FitOptions
 from identification.fit.unknowns.unknowns import FOLLOWS, layout
+from identification.result.compliance import with_compliance
 from identification.result.estimate import Estimate
 from identification.result.estimation import estimate, require_float64, solve, vector
 from scdpr_jax.numerics.levenberg_marquardt import Minimum, free_unknowns
@@ -79,7 +80,8 @@ def select(
         valleys=usual.fit.valleys,
         progress=progress.part(0.9, 1.0),
     )
-    return dataclasses.replace(chosen, models=models, choice=choice)
+    chosen = dataclasses.replace(chosen, models=models, choice=choice)
+    return with_compliance(chosen, campaign)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -26,6 +26,7 @@ from identification.fit.unknowns.unknowns import FOLLOWS, encode
 from identification.judge.identifiability import identifiability, motion_over_noise
 from identification.judge.influence import influence, run_normal
 from identification.judge.verdict import is_doubtful, judged, unexplained
+from identification.result.compliance import with_compliance
 from identification.result.estimate import Estimate, Fit
 from identification.result.fitted_robot import Residual, fitted_robot
 from scdpr_jax.numerics.levenberg_marquardt import Minimum
@@ -65,7 +66,8 @@ def estimate(
         aside.submit(problem.compile)
         begun = starts(problem, progress.part(0.0, 0.3))
     rest = progress.part(0.3, 1.0)
-    return solve(problem, begun.points, valleys=begun.valleys, progress=rest)
+    found = solve(problem, begun.points, valleys=begun.valleys, progress=rest)
+    return with_compliance(found, campaign)
 
 
 def solve(

@@ -90,6 +90,12 @@ class Drive(eqx.Module):
     )
     r"""Dry friction torque of the second drive minus that of the first [N m]."""
 
+    compliance: Float[Array, "..."] = eqx.field(
+        default=0.0, converter=real, metadata=si("m/N", "c")
+    )
+    """By how much the cables between drives and lower carriage give per force on it [m/N];
+    what leads the drives allows for it, the engines take them for rigid."""
+
     @property
     def frictions(self) -> Float[Array, "2"]:
         """Dry friction torques of the two drives [N m]."""

@@ -43,7 +43,7 @@ def planned_legs(
     for row, slope, planned in zip(rows, slopes, plans, strict=True):
         leg: Leg = dataclasses.replace(planned.leg, slope=0.0)
         outcomes.append(
-            driven(row.ensemble.robot, controller, leg, planned.plan, slope=np.array([slope]))
+            driven(row.ensemble.robot, controller, leg, planned.rigid, slope=np.array([slope]))
         )
     return LegsOutcome(
         np.array([own.vibration[0] for own in outcomes]),

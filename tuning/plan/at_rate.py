@@ -26,7 +26,8 @@ def planned(
         period: The controller's [s].
 
     Returns:
-        The plan, from the leg's begin to the first sample after its end.
+        The plan, from the leg's begin to the first sample after its end. Where cables give, the
+        drives are led ahead of the lower carriage by what they do.
     """
     samples = int(np.ceil(leg.time / period - 1e-9))
     every = places(leg, period / 4 * np.arange(4 * samples + 1))
@@ -45,6 +46,13 @@ def planned(
     radius = np.asarray(robot.drive.effective_radius)
     way = led - led[0]
     angle = np.stack([way[:, 0] + way[:, 1], way[:, 0] - way[:, 1]], axis=1) / radius
+    if float(robot.drive.compliance):
+        positions = np.concatenate([run.positions[:, ::2], run.end.position[:, None]], axis=1)
+        motion = Moment(*(own[None, ::4] for own in every.motion(coefficients)))
+        ahead = fitted.stretches(positions, motion)
+        # The angles count from the begin, at which nothing has moved yet.
+        ahead[0] = 0.0
+        angle += ahead[:, None] / radius
     return Plan(
         time=period * np.arange(samples + 1),
         position=np.stack([x, height[::4]], axis=1),

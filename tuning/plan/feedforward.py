@@ -13,6 +13,7 @@ from scdpr_jax.robot.cable import loop_forces
 from scdpr_jax.robot.dynamics import dampings, drive_friction, gravity_force, masses
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import HEIGHT, LOWER, driven
+from tuning.plan.profile import Moment
 
 TURN_ROUND = 2e-3
 """Velocity over which the compensated friction turns round [m/s]: a step of the commands
@@ -51,3 +52,25 @@ def inverse_dynamics(
     torque = drive.effective_radius / 2 * jnp.stack([force[0] + force[1], force[0] - force[1]])
     moving = jnp.zeros(5, dtype=force.dtype).at[LOWER :: HEIGHT - LOWER].set(velocity)
     return (torque + drive_friction(robot, moving)) / drive.torque_per_volt
+
+
+def stretch(robot: Robot, position: Float[Array, "5"], motion: Moment) -> Float[Array, ""]:
+    r"""By how much the cables between drives and lower carriage give, $c\,F$.
+
+    $$ F = m_3 \ddot q_3 + d_3 \dot q_3 + \mu N_3 \tanh(\dot q_3 / v_s)
+       + \partial V / \partial q_3 $$
+
+    Args:
+        robot: The robot, with the compliance $c$ of its drives.
+        position: Its coordinates [m, rad, m, m, m].
+        motion: Of lower carriage and height.
+
+    Returns:
+        What the drives are to be ahead of the lower carriage [m].
+    """
+    loop, carriage = loop_forces(robot, position), robot.lower_carriage
+    velocity, acceleration = motion.slope[0], motion.curvature[0]
+    limit = friction_coefficients(robot)[0] * loop.normal[0]
+    dry = limit * jnp.tanh(velocity / TURN_ROUND)
+    inertial = carriage.mass * acceleration + carriage.friction.viscous * velocity
+    return robot.drive.compliance * (inertial + dry - loop.pull[LOWER])

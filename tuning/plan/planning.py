@@ -27,6 +27,7 @@ from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.numerics.side_by_side import CORES
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import replace
 from tuning.plan.at_rate import planned
 from tuning.plan.expectation import Expectation, expectation
 from tuning.plan.leg import Leg
@@ -60,6 +61,8 @@ class Planned:
     """The leg; its time is longer than asked for where the drives can't do it in that."""
     plan: Plan
     """What the controller is told."""
+    rigid: Plan
+    """The same for cables that don't give, which is what engines simulate."""
     asked_time: float = dataclasses.field(metadata=si("s"))
     """Time that was asked for [s]."""
     expected: Expectation
@@ -183,13 +186,15 @@ class Planner:
         leg = Leg(wanted.start, wanted.end, time, wanted.slope or 0.0)
         found, coefficients = _motion(robot, self._models[told], possible(robot, leg), progress)
         progress("what is expected of it", 0.9)
-        plan = planned(robot, found, coefficients, period=float(controller.period))
-        expected = expectation(robot, controller, found, plan, told=told)
+        period = float(controller.period)
+        plan = planned(robot, found, coefficients, period=period)
+        rigid = planned(_rigid(robot), found, coefficients, period=period)
+        expected = expectation(robot, controller, found, rigid, told=told)
         profile = plain_plan(leg, controller, radius=float(robot.drive.effective_radius))
         plain = expectation(robot, controller, leg, profile, told=told)
         if plain.mean < expected.mean and expected.mean > NEGLIGIBLE:
-            return Planned(leg, profile, time, plain, plain)
-        return Planned(found, plan, time, expected, plain)
+            return Planned(leg, profile, profile, time, plain, plain)
+        return Planned(found, plan, rigid, time, expected, plain)
 
 
 def resting_start(
@@ -238,6 +243,10 @@ def plain_plan(leg: Leg, controller: PD, *, radius: float) -> Plan:
         angle=angle,
         feedforward=np.zeros_like(angle),
     )
+
+
+def _rigid(robot: Robot) -> Robot:
+    return replace(robot, {"drive_compliance": 0.0})
 
 
 def _motion(

@@ -9,7 +9,7 @@ from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import parse_position
-from experiments.verbs.tuning.starting_pose import beginning
+from experiments.verbs.starting_pose import beginning
 
 if TYPE_CHECKING:
     from scdpr_jax.robot.parameters import Robot

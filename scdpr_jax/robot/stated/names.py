@@ -182,6 +182,14 @@ REFINEMENTS: tuple[Quantity, ...] = (
         ),
         "velocity over which that decays",
     ),
+    Quantity(
+        "drive_compliance",
+        "m/N",
+        "c",
+        lambda r: (r.drive.compliance,),
+        "give of the cables between drives and lower carriage",
+        positive=False,
+    ),
 )
 """What a fit may free besides: `campaign.toml` doesn't state it, and it refines a quantity
 of `QUANTITIES`, so it is replaced after those."""

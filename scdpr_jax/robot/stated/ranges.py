@@ -21,6 +21,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "N/m": (1e-6, 1e9),
     "N s/m": (1e-12, 1e6),
     "m/s": (1e-6, 100.0),
+    "m/N": (1e-12, 1e-2),
     "1": (1e-12, 10.0),
 }
 """Least and most of a quantity of each unit; one that may be zero has zero for the least."""

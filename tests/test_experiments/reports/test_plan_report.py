@@ -31,7 +31,7 @@ def short():
     angle = np.asarray(joint_references(ROBOT, led))
     plan = Plan(TIME, np.asarray(led), angle, np.zeros((TIME.size, 2)))
     left, nothing = (Expectation(np.full(7, own), np.zeros(7)) for own in (1.0, 0.0))
-    return Planned(Leg((1.0, 0.5), (1.05, 0.5), 0.3), plan, 0.3, nothing, left)
+    return Planned(Leg((1.0, 0.5), (1.05, 0.5), 0.3), plan, plan, 0.3, nothing, left)
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ from scdpr_jax.native.traced import trace
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import State
 from tuning.plan.expectation import Loop, Told, sample
-from tuning.plan.feedforward import inverse_dynamics
+from tuning.plan.feedforward import inverse_dynamics, stretch
 from tuning.plan.led.arrival import Goal, arrival, vibration
 from tuning.plan.led.servo import (
     Deviation,
@@ -36,7 +36,7 @@ from tuning.plan.led.servo import (
     transition,
 )
 from tuning.plan.leg import MOST_SPLINES
-from tuning.plan.profile import Course, plain_profile, splines
+from tuning.plan.profile import Course, Moment, plain_profile, splines
 
 
 @dataclasses.dataclass(frozen=True)
@@ -109,7 +109,7 @@ def kernels(robot: Robot) -> tuple[Kernel, ...]:
     # A function of this module's for each, bound to what a robot is made of.
     bound = {
         function: functools.partial(function, own)
-        for function in (_lead, _deviate, _command, _force, _arrive, _vibrate, _loop)
+        for function in (_lead, _deviate, _command, _stretch, _force, _arrive, _vibrate, _loop)
     }
     return (
         Kernel("plain_at", _plain, (7,), (), (1,)),
@@ -126,6 +126,7 @@ def kernels(robot: Robot) -> tuple[Kernel, ...]:
         ),
         Kernel("command", bound[_command], (count,), (), (3, 6), ("input0", "input1")),
         Kernel("force", bound[_force], (count,), (), (3, 2, 1), ("input0", "input1")),
+        Kernel("stretch", bound[_stretch], (count,), (), (3, 6)),
         Kernel("arrive", bound[_arrive], (count,), (), (6, 3), ("input0", "input1")),
         Kernel("vibrate", bound[_vibrate], (count,), (), (6, 3)),
         Kernel("loop", bound[_loop], (count, 4, 2), (10, 4), (2, 2)),
@@ -182,6 +183,13 @@ def _command(own: _Own, given: tuple, _: tuple, row: tuple) -> tuple[tuple, Arra
     position, motion = row
     whole = whole_position(position, motion[0], motion[1])
     return (), inverse_dynamics(own(given[0]), whole, motion[2:4], motion[4:])
+
+
+def _stretch(own: _Own, given: tuple, _: tuple, row: tuple) -> tuple[tuple, Array]:
+    position, motion = row
+    whole = whole_position(position, motion[0], motion[1])
+    moment = Moment(motion[:2], motion[2:4], motion[4:])
+    return (), stretch(own(given[0]), whole, moment)[None]
 
 
 def _force(own: _Own, given: tuple, _: tuple, row: tuple) -> tuple[tuple, Array]:

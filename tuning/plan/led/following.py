@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 from scdpr_jax import native
 from scdpr_jax.engines.led_stepping import Lead, Undriven, step, whole_position
 from scdpr_jax.robot.parameters import Robot
-from tuning.plan.feedforward import inverse_dynamics
+from tuning.plan.feedforward import inverse_dynamics, stretch
 from tuning.plan.led.arrival import Arrival, Goal, arrival, vibration
 from tuning.plan.led.servo import Deviation, Led, Servo, deviating_step, led_force, transitions
 from tuning.plan.profile import Moment
@@ -47,6 +47,7 @@ class Leader:
         """
         self._robot = robot
         self._command = native.Runs(_command, robot)
+        self._stretch = native.Runs(_stretched, robot)
 
     def _led(self, duration: float) -> native.Runs:
         return native.Runs(_advance, (self._robot, np.array([duration])))
@@ -114,6 +115,20 @@ class Leader:
             The commands [V].
         """
         return self._command((), (positions, motion))[1][0]
+
+    def stretches(
+        self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
+    ) -> Float[np.ndarray, " n"]:
+        """By how much the cables between drives and lower carriage give.
+
+        Args:
+            positions: The undriven coordinates [m, rad, m].
+            motion: Of lower carriage and height, behind an axis of robots.
+
+        Returns:
+            What the drives are to be ahead of the lower carriage [m].
+        """
+        return self._stretch((), (positions, motion))[1][0]
 
     def commands_linearised(
         self,
@@ -287,6 +302,14 @@ def _command(
     lower, height = motion.value
     whole = whole_position(position, lower, height)
     return (), inverse_dynamics(robot, whole, motion.slope, motion.curvature)
+
+
+def _stretched(
+    robot: Robot, _: tuple, row: tuple[Float[Array, "3"], Moment]
+) -> tuple[tuple, Float[Array, ""]]:
+    position, motion = row
+    lower, height = motion.value
+    return (), stretch(robot, whole_position(position, lower, height), motion)
 
 
 def _arriving(robot: Robot, _: tuple, row: tuple[Undriven, Goal]) -> tuple[tuple, Arrival]:

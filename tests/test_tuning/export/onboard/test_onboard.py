@@ -45,7 +45,9 @@ pytestmark = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     where = tmp_path_factory.mktemp("onboard")
-    for name, text in onboard_files(OnBoard(ROBOT, CONTROLLER)).items():
+    files = onboard_files(OnBoard(ROBOT, CONTROLLER))
+    assert {*files} == {"README.md", "example.c", "scdpr_leg.c", "scdpr_leg.h", "selftest.c"}
+    for name, text in files.items():
         (where / name).write_text(text)
     (where / "size.c").write_text(SIZE)
     return where

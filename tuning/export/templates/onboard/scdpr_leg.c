@@ -496,19 +496,24 @@ static void tell(const scdpr_leg *leg, const double *c, scdpr_leg_motion *made)
     made->samples = (long)ceil(leg->time / period - 1e-9);
     begin_at(leg, 0, state);
     for (long k = 0; k < 2 * made->samples; k++) {
-        double motion[6], lower[3], height[3];
+        double lower[3], height[3], motion[6];
         for (int i = 0; i < 3; i++) {
             motion_at(made->course, made->moving, made->splines, c, half * (k + i / 2.0),
                       motion);
             lower[i] = motion[0];
             height[i] = motion[1];
         }
-        if (k % 2) {
-            motion_at(made->course, made->moving, made->splines, c, half * k, motion);
+        motion_at(made->course, made->moving, made->splines, c, half * k, motion);
+        if (k % 2)
             command(FITTED, state, motion, made->feedforward[k / 2]);
-        }
+        else
+            stretch(FITTED, state, motion, &made->ahead[k / 2]);
         lead(FITTED, &half, state, lower, height, state);
     }
+    double motion[6];
+    motion_at(made->course, made->moving, made->splines, c, period * made->samples, motion);
+    stretch(FITTED, state, motion, &made->ahead[made->samples]);
+    made->ahead[0] = 0;
 }
 
 /* The curve of section 6.2 in the time that was asked for, without feed-forward. */
@@ -523,18 +528,28 @@ static void tell_plainly(const scdpr_leg *leg, scdpr_leg_motion *made)
     made->splines = $fewest_splines;
     made->samples = (long)ceil(leg->asked / SCDPR_LEG_PERIOD - 1e-9);
     memset(made->feedforward, 0, sizeof made->feedforward[0] * (size_t)made->samples);
+    memset(made->ahead, 0, sizeof made->ahead);
 }
 
-static void drive_at(const scdpr_leg_motion *motion, double t, double angle[2],
+/* `gives`: 0 for cables that don't, as the closed loop has them in simulation. */
+static void drive_at(const scdpr_leg_motion *motion, double t, double gives, double angle[2],
                      double feedforward[2])
 {
     double place[6], begin[2] = {motion->course[0], motion->course[1]};
     double time = t > 0 ? smallest(t, motion->time) : 0;
     motion_at(motion->course, motion->moving, motion->splines, motion->coefficient, time, place);
+    double sample = t > 0 ? floor(t / SCDPR_LEG_PERIOD + 1e-6) : 0, ahead;
+    bool over = !(sample < motion->samples);
+    if (over) {
+        ahead = motion->ahead[motion->samples];
+    } else {
+        const double *now = &motion->ahead[(long)sample];
+        double part = largest(time / SCDPR_LEG_PERIOD - sample, 0);
+        ahead = now[0] + smallest(part, 1) * (now[1] - now[0]);
+    }
+    place[0] += gives * ahead;
     angle[0] = ((place[0] - begin[0]) + (place[1] - begin[1])) / RADIUS;
     angle[1] = ((place[0] - begin[0]) - (place[1] - begin[1])) / RADIUS;
-    double sample = t > 0 ? floor(t / SCDPR_LEG_PERIOD + 1e-6) : 0;
-    bool over = !(sample < motion->samples);
     feedforward[0] = over ? 0 : motion->feedforward[(long)sample][0];
     feedforward[1] = over ? 0 : motion->feedforward[(long)sample][1];
 }
@@ -557,7 +572,7 @@ static double judged(const scdpr_leg *leg, const scdpr_leg_motion *motion, int s
             low = smallest(low, state[0]);
             high = largest(high, state[0]);
         }
-        drive_at(motion, k * SCDPR_LEG_PERIOD, angle, feedforward);
+        drive_at(motion, k * SCDPR_LEG_PERIOD, 0, angle, feedforward);
         loop(robot, CONTROLLER, begin, state, memory, angle, feedforward, state, memory);
     }
     return high - low;
@@ -775,7 +790,7 @@ void scdpr_leg_at(const scdpr_leg *leg, double t, double angle[2], double feedfo
 {
     angle[0] = angle[1] = feedforward[0] = feedforward[1] = 0;
     if (leg->begun == BEGUN)
-        drive_at(&leg->driven, t, angle, feedforward);
+        drive_at(&leg->driven, t, 1, angle, feedforward);
 }
 
 double scdpr_leg_time(const scdpr_leg *leg)

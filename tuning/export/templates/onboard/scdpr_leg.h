@@ -38,6 +38,7 @@ typedef struct {
     double coefficient[SCDPR_LEG_SPLINES];
     long samples;
     double feedforward[SCDPR_LEG_SAMPLES][2]; /* [V] */
+    double ahead[SCDPR_LEG_SAMPLES + 1];      /* of the lower carriage, as cables give [m] */
 } scdpr_leg_motion;
 
 /* A robot on its leg: state, deviation of its drives, and their tangents. */

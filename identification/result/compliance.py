@@ -1,0 +1,142 @@
+r"""How much the cables between the drives and the lower carriage give, from both sensors.
+
+The model takes them for rigid, $q_3 = r(\alpha_1 + \alpha_2)/2$. A camera that sees the
+carriage sees what is missing,
+
+$$ q_3 - r\,(\alpha_1 + \alpha_2)/2 = -c\,F + a\,\Delta q + \text{const}, $$
+
+with the force $F$ that the drives put on the carriage: what the motors give and their own
+inertia, damping and friction don't take. An error of the radius goes with the way $\Delta q$,
+a pretension or a friction that is wrong with neither, so that the regression needs nothing of
+the fit but the drives. As a part of the fit it would cost every simulation two states.
+"""
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+
+from identification.campaign.types import Campaign, Run
+from identification.judge.uncertainty import ParameterEstimate
+from identification.result.estimate import Estimate
+from scdpr_jax.robot.parameters import Robot
+from scdpr_jax.robot.quantities import replace
+
+NAME = "drive_compliance"
+"""The quantity's name."""
+_WINDOW = 0.1
+"""Time over which velocity and acceleration are taken from encoders [s]."""
+_SURE = 5.0
+"""Standard errors from zero below which cables count as rigid [1]."""
+_LEAST = 2e-6
+"""Least that is worth allowing for [m/N]: 0.1 mm under 50 N."""
+_KINDS = ("torque_step", "manoeuvre", "pseudo_impulse")
+"""Kinds of runs in which the drives move the cables."""
+
+
+def with_compliance(found: Estimate, campaign: Campaign) -> Estimate:
+    """An estimate with the cables' give, where the logs show any.
+
+    Args:
+        found: The estimate.
+        campaign: The campaign that it is from.
+
+    Returns:
+        The estimate; with another row and another robot if they give.
+    """
+    measured = compliance(campaign, found.robot, found)
+    if measured is None:
+        return found
+    value, sigma = measured
+    row = ParameterEstimate(
+        name=NAME,
+        setting=None,
+        value=value,
+        unit="m/N",
+        sigma=sigma,
+        interval95=(value - 1.96 * sigma, value + 1.96 * sigma),
+        status="fixed",
+    )
+    fitted = dataclasses.replace(
+        found.fitted,
+        robot=replace(found.fitted.robot, {NAME: value}),
+        parameters=(*found.fitted.parameters, row),
+    )
+    return dataclasses.replace(found, fitted=fitted)
+
+
+def compliance(campaign: Campaign, robot: Robot, found: Estimate) -> tuple[float, float] | None:
+    """The cables' give and its standard error.
+
+    Args:
+        campaign: The campaign.
+        robot: The fitted robot.
+        found: Its estimate, for the cameras' clocks.
+
+    Returns:
+        Both [m/N]; None where cables count as rigid or nothing tells.
+    """
+    parts = [_normal(run, robot, found) for run in campaign.runs if run.kind in _KINDS]
+    parts = [part for part in parts if part is not None]
+    if not parts:
+        return None
+    normal = sum(matrix for matrix, _, _, _ in parts)
+    right = sum(vector for _, vector, _, _ in parts)
+    if np.linalg.cond(normal) > 1e12:
+        return None
+    slopes = np.linalg.solve(normal, right)
+    rows = sum(count for _, _, _, count in parts)
+    squares = sum(square for _, _, square, _ in parts) - slopes @ right
+    # What friction and windows leave lasts for a few frames: three tell as much as one.
+    spread = 3 * max(squares, 0.0) / max(rows - 2 - len(parts), 1)
+    value, sigma = -slopes[0], np.sqrt(spread * np.linalg.inv(normal)[0, 0])
+    if not (value > _SURE * sigma and value > _LEAST):
+        return None
+    return float(value), float(sigma)
+
+
+def _normal(
+    run: Run, robot: Robot, found: Estimate
+) -> tuple[np.ndarray, np.ndarray, float, int] | None:
+    """Normal equations of a run by force and way, its own constant taken off."""
+    if run.camera is None or run.name not in found.circumstances:
+        return None
+    rows = list(_frames(run, robot, found))
+    if len(rows) < 20:
+        return None
+    missing, force, way = np.array(rows).T
+    columns = np.stack([force, way], axis=1)
+    columns = columns - np.mean(columns, axis=0)
+    missing = missing - np.mean(missing)
+    # Frames that don't belong there: another marker, or none.
+    good = np.abs(missing - np.median(missing)) < 10e-3
+    columns, missing = columns[good], missing[good]
+    return columns.T @ columns, columns.T @ missing, float(missing @ missing), len(missing)
+
+
+def _frames(run: Run, robot: Robot, found: Estimate) -> Iterator[tuple[float, float, float]]:
+    """What is missing at the carriage, the force on it and its way, frame by frame."""
+    drive, own = run.drive, robot.drive
+    radius, reflected = (float(x) for x in (own.effective_radius, own.effective_radius**-2))
+    clock = found.circumstances[run.name]
+    offset = (run.clock_offset or 0.0) + float(clock.clock_offset)
+    begin = drive.time[0]
+    seen = run.camera.time - offset - float(clock.clock_drift) * (run.camera.time - begin)
+    way = radius * (drive.angle[:, 0] + drive.angle[:, 1]) / 2
+    volts = np.sum(drive.voltage, axis=1)
+    limit = 2 * float(own.voltage_limit)
+    rates = np.gradient(drive.angle, drive.time, axis=0)
+    for time, place in zip(seen, run.camera.position[:, 2], strict=True):
+        near = np.abs(drive.time - time) <= _WINDOW / 2
+        if not np.isfinite(place) or np.count_nonzero(near) < 8:
+            continue
+        if time - drive.time[0] < _WINDOW / 2 or drive.time[-1] - time < _WINDOW / 2:
+            continue
+        curve = np.polynomial.polynomial.polyfit(drive.time[near] - time, way[near], 2)
+        speed, acceleration = curve[1], 2 * curve[2]
+        motor = float(own.torque_per_volt) * np.mean(np.clip(volts[near], -limit, limit))
+        dry = np.mean(np.sum(np.asarray(own.frictions) * np.tanh(rates[near] / 0.05), axis=1))
+        force = (motor - dry) / radius - 2 * reflected * (
+            float(own.inertia) * acceleration + float(own.damping) * speed
+        )
+        yield place - curve[0], force, curve[0]
