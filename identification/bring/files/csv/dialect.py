@@ -36,7 +36,8 @@ _MISSING = frozenset(
     )
 )
 """Cells that say that there is no number, in lower case."""
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d{1,4})?", re.ASCII)
+# One way to match each digit: two would take a cell of a book's length for ever.
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][+-]?\d{1,4})?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.'’\u00a0\u202f ]\d{3})+,\d+", re.ASCII)
 _SAMPLE = 400
 """Rows that are tried."""
