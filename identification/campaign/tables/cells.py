@@ -9,7 +9,7 @@ from identification.campaign.faults import Fault
 from identification.campaign.tables.columns import Scale
 from identification.campaign.tables.header import Header
 
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eE]([+-]?\d{1,6}))?", re.ASCII)
+_NUMBER = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+))(?:[eE]([+-]?\d{1,6}))?", re.ASCII)
 
 Row = tuple[int, Sequence[str]]
 """A row of a CSV file: its line, from 1, and its cells as they are written."""

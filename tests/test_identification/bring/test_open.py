@@ -106,3 +106,18 @@ def test_a_drive_stream_comes_from_a_column_of_an_array():
     names = ("t [s]", "voltage_1 [V]", "voltage_2 [V]", "alpha_1 [rad]", "alpha_2 [rad]")
     columns = {name: f"simout(:,{k})" for k, name in enumerate(names, start=1)}
     assert import_drive_stream(path, columns=columns).angle.shape == (2000, 2)
+
+
+def test_no_damage_to_a_text_is_more_than_a_fault(tmp_path):
+    random = np.random.default_rng(12)
+    rows = [f'{k / 1000};{k % 7},5;"{k}";RUN' for k in range(60)]
+    content = "\n".join(["# rig", "t [s];u1;n;state", *rows]).encode()
+    paths = []
+    for number, mutant in enumerate(mutants(content, random, 80)):
+        paths.append(tmp_path / f"mutant{number}.csv")
+        paths[-1].write_bytes(mutant)
+    (tmp_path / "long.csv").write_text('a,b\n"' + "1" * 200_000 + '",2\n1,2\n')
+    paths.append(tmp_path / "long.csv")
+    logs, faults = opened(*paths)
+    assert {str(path) for path in paths} == {str(p) for p in logs} | {f.file for f in faults}
+    assert logs

@@ -6,6 +6,7 @@ taken that makes most numbers of them: a wrong separator leaves cells such as `0
 number is.
 """
 
+import contextlib
 import csv
 import dataclasses
 import itertools
@@ -35,7 +36,8 @@ _MISSING = frozenset(
     )
 )
 """Cells that say that there is no number, in lower case."""
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d{1,4})?", re.ASCII)
+# One way to match each digit: two would take a cell of a book's length for ever.
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][+-]?\d{1,4})?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?\d{1,3}(?:[.'’\u00a0\u202f ]\d{3})+,\d+", re.ASCII)
 _SAMPLE = 400
 """Rows that are tried."""
@@ -133,13 +135,12 @@ def split(line: str, separator: str) -> tuple[str, ...]:
     Returns:
         The cells.
     """
+    cells = line.split() if separator == " " else line.split(separator)
     if '"' in line:
-        if separator == " ":
-            cells = next(csv.reader([" ".join(line.split())], delimiter=" "), [])
-        else:
-            cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
-    else:
-        cells = line.split() if separator == " " else line.split(separator)
+        text = " ".join(line.split()) if separator == " " else line
+        reader = csv.reader([text], delimiter=separator, skipinitialspace=True)
+        with contextlib.suppress(csv.Error):  # a lone mark, or a cell of a book's length
+            cells = next(reader, [])
     return tuple(cell.strip(" \t\u00a0'\"") for cell in cells)
 
 
@@ -203,12 +204,14 @@ def _score(rows: Sequence[tuple[str, ...]], decimal: str) -> int:
 
 def _laid_out(
     lines: Sequence[tuple[int, str]], separator: str, decimal: str, *, skipped: bool
-) -> Layout:
+) -> Layout | None:
     """Header, units and rows of a text whose separator is known."""
     plain = [(n, split(line, separator)) for n, line in lines if not is_comment(line)]
     widths = [len(cells) for _, cells in plain[len(plain) // 2 :]]
     width = max(set(widths), key=widths.count)
-    first = next(k for k, (_, cells) in enumerate(plain) if _is_data(cells, width, decimal))
+    first = next((k for k, (_, c) in enumerate(plain) if _is_data(c, width, decimal)), None)
+    if first is None:
+        return None
     begin = plain[first][0]
     above = [each for each in lines if each[0] < begin]
     header, units = _above(above[:2] if skipped else above, separator, width)

@@ -22,6 +22,8 @@ _UNIT = re.compile(
     r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\)|<(?P<angle>[^<>]*)>)"
 )
 _NAMES = {";": "semicolons", "\t": "tabs", ",": "commas", "|": "bars", " ": "blanks"}
+_HEADER = 200
+"""Characters of a header's cell that are looked at for a unit; a longer one has none."""
 _LARGE = 1e8
 """Numbers from which on a double rounds the eighth digit behind the point."""
 _LARGEST = 2**31
@@ -109,7 +111,7 @@ def unit_in(header: str) -> str:
     Returns:
         The unit, empty where there is none.
     """
-    match = _UNIT.fullmatch(header.strip())
+    match = _UNIT.fullmatch(header.strip()[:_HEADER])
     if match is None:
         return ""
     return next(g for g in match.group("square", "round", "angle") if g is not None).strip()
@@ -124,7 +126,7 @@ def bare(header: str) -> str:
     Returns:
         The name alone.
     """
-    match = _UNIT.fullmatch(header.strip())
+    match = _UNIT.fullmatch(header.strip()[:_HEADER])
     return header.strip() if match is None else match["name"].strip()
 
 
