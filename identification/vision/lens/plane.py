@@ -33,6 +33,8 @@ def fit_plane(
     places: Float64[np.ndarray, "marks 3"],
     seen: Float64[np.ndarray, "marks 2"],
     radius: Float64[np.ndarray, " marks"],
+    *,
+    begin: View | None = None,
 ) -> Marks:
     r"""The camera's place, by robust least squares in undistorted pixels.
 
@@ -48,15 +50,20 @@ def fit_plane(
         places: The marks in the frame's coordinates [m].
         seen: Centroids of their images [px].
         radius: Radius of those that are discs, 0 of others [m].
+        begin: A view to begin at, where one is known.
 
     Returns:
         The fit.
     """
-    fits = [
-        _refined(lens, places, seen, radius, start) for start in _starts(lens, places, seen)
-    ]
+    starts = _starts(lens, places, seen) if begin is None else [_pose(begin)]
+    fits = [_refined(lens, places, seen, radius, start) for start in starts]
     before = [fit for fit in fits if _eye(fit.view)[2] > places[:, 2].max()]
     return min(before or fits, key=lambda fit: fit.rms)
+
+
+def _pose(view: View) -> Float64[np.ndarray, " 6"]:
+    turn = np.asarray(opencv().Rodrigues(view.rotation)[0], float)
+    return np.concatenate([turn.ravel(), view.translation])
 
 
 def _eye(view: View) -> Float64[np.ndarray, " 3"]:

@@ -133,7 +133,7 @@ def first_view(vision: Vision, lens: Lens, picture: Picture) -> Start | None:
     # A click is off by some pixels, and tells well enough how large a disc is.
     view = fit_plane(lens, places[seen], clicks[seen], 0 * radii[seen]).view
     start = Start(view, _BLURS[3], _tag_radius(vision, view, picture))
-    for _ in range(2):
+    for turn in range(2):
         sightings = _sightings(vision, start, looks, clicks, picture)
         whole = np.array([each is not None and each.is_whole for each in sightings])
         if np.count_nonzero(whole) < _LEAST:
@@ -146,7 +146,10 @@ def first_view(vision: Vision, lens: Lens, picture: Picture) -> Start | None:
         )
         fit = fit_plane(lens, places[whole], clicks[whole], radii[whole])
         start = dataclasses.replace(start, view=fit.view)
-        start = dataclasses.replace(start, blur=_blur(vision, start, looks, clicks, picture))
+        if turn == 0:
+            start = dataclasses.replace(
+                start, blur=_blur(vision, start, looks, clicks, picture)
+            )
     return start
 
 

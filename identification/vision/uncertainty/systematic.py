@@ -57,7 +57,8 @@ def _by_lens(
     lens = marks.view.lens
     others = [lens.deviated(k) for k in range(len(lens.deviations))]
     return [
-        _SHARED * _moved(vision, marks.view, _refit(vision, mark_pixels, other), places)
+        _SHARED
+        * _moved(vision, marks.view, _refit(vision, mark_pixels, other, marks.view), places)
         for other in others
     ]
 
@@ -77,7 +78,7 @@ def _by_marks(
         for axis in range(2):
             moved = mark_pixels.copy()
             moved[k, axis] += _STEP
-            other = _refit(vision, moved, marks.view.lens)
+            other = _refit(vision, moved, marks.view.lens, marks.view)
             shifts.append(_moved(vision, marks.view, other, places) * error / _STEP)
     return shifts
 
@@ -95,10 +96,12 @@ def _by_colour(
     return np.nan_to_num(shift)
 
 
-def _refit(vision: Vision, mark_pixels: Float64[np.ndarray, "marks 2"], lens: Lens) -> View:
+def _refit(
+    vision: Vision, mark_pixels: Float64[np.ndarray, "marks 2"], lens: Lens, begin: View
+) -> View:
     kept = np.isfinite(mark_pixels[:, 0])
     places, radii = mark_places(vision)[kept], mark_radii(vision)[kept]
-    return fit_plane(lens, places, mark_pixels[kept], radii).view
+    return fit_plane(lens, places, mark_pixels[kept], radii, begin=begin).view
 
 
 def _moved(
