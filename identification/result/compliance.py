@@ -12,11 +12,12 @@ the fit but the drives. As a part of the fit it would cost every simulation two 
 """
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from identification.campaign.types import Campaign, Run
+from identification.data.circumstances import Circumstances
 from identification.judge.uncertainty import ParameterEstimate
 from identification.result.estimate import Estimate
 from scdpr_jax.robot.parameters import Robot
@@ -44,7 +45,7 @@ def with_compliance(found: Estimate, campaign: Campaign) -> Estimate:
     Returns:
         The estimate; with another row and another robot if they give.
     """
-    measured = compliance(campaign, found.robot, found)
+    measured = compliance(campaign, found.robot, found.circumstances)
     if measured is None:
         return found
     value, sigma = measured
@@ -65,18 +66,21 @@ def with_compliance(found: Estimate, campaign: Campaign) -> Estimate:
     return dataclasses.replace(found, fitted=fitted)
 
 
-def compliance(campaign: Campaign, robot: Robot, found: Estimate) -> tuple[float, float] | None:
+def compliance(
+    campaign: Campaign, robot: Robot, circumstances: Mapping[str, Circumstances]
+) -> tuple[float, float] | None:
     """The cables' give and its standard error.
 
     Args:
         campaign: The campaign.
         robot: The fitted robot.
-        found: Its estimate, for the cameras' clocks.
+        circumstances: Of each run that was fitted, for its camera's clock.
 
     Returns:
         Both [m/N]; None where cables count as rigid or nothing tells.
     """
-    parts = [_normal(run, robot, found) for run in campaign.runs if run.kind in _KINDS]
+    runs = [run for run in campaign.runs if run.kind in _KINDS and run.name in circumstances]
+    parts = [_normal(run, robot, circumstances[run.name]) for run in runs]
     parts = [part for part in parts if part is not None]
     if not parts:
         return None
@@ -96,12 +100,12 @@ def compliance(campaign: Campaign, robot: Robot, found: Estimate) -> tuple[float
 
 
 def _normal(
-    run: Run, robot: Robot, found: Estimate
+    run: Run, robot: Robot, clock: Circumstances
 ) -> tuple[np.ndarray, np.ndarray, float, int] | None:
     """Normal equations of a run by force and way, its own constant taken off."""
-    if run.camera is None or run.name not in found.circumstances:
+    if run.camera is None:
         return None
-    rows = list(_frames(run, robot, found))
+    rows = list(_frames(run, robot, clock))
     if len(rows) < 20:
         return None
     missing, force, way = np.array(rows).T
@@ -114,11 +118,12 @@ def _normal(
     return columns.T @ columns, columns.T @ missing, float(missing @ missing), len(missing)
 
 
-def _frames(run: Run, robot: Robot, found: Estimate) -> Iterator[tuple[float, float, float]]:
+def _frames(
+    run: Run, robot: Robot, clock: Circumstances
+) -> Iterator[tuple[float, float, float]]:
     """What is missing at the carriage, the force on it and its way, frame by frame."""
     drive, own = run.drive, robot.drive
     radius, reflected = (float(x) for x in (own.effective_radius, own.effective_radius**-2))
-    clock = found.circumstances[run.name]
     offset = (run.clock_offset or 0.0) + float(clock.clock_offset)
     begin = drive.time[0]
     seen = run.camera.time - offset - float(clock.clock_drift) * (run.camera.time - begin)

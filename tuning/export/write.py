@@ -26,7 +26,7 @@ def write_exports(folder: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, .
         tuning: The tuning.
 
     Returns:
-        The files, and of those on board the one that says how to call them.
+        The files.
 
     Raises:
         ValueError: If the tuning has no fitted robot, or no shaper, or the regions of its
@@ -41,4 +41,4 @@ def write_exports(folder: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, .
     for path, text in {**texts, **own}.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, text)
-    return (*texts, folder / FOLDER / "README.md")
+    return (*texts, *own)

@@ -30,4 +30,4 @@ def test_every_file_of_a_tuning_is_named_tuning_json_first(tmp_path):
     assert written.tuning == tmp_path / "tuning.json"
     assert written.paths[0] == written.tuning
     assert set(written.paths) == {path for path in tmp_path.rglob("*") if path.is_file()}
-    assert {path.parent.name for path in written.exports} == {"export"}
+    assert {path.parent.name for path in written.exports} == {"export", "onboard"}

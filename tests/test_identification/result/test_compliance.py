@@ -1,7 +1,5 @@
 """The give of cables between drives and carriage, from rigs of another program."""
 
-import types
-
 import numpy as np
 import pytest
 from leg_rigs import campaign, draw_rig, needs_compiler
@@ -26,8 +24,7 @@ def measured(seed, *, elastic):
     }
     logged = campaign(rig, seed)
     clocks = {run.name: Circumstances.of(np.zeros(len(NAMES))) for run in logged.runs}
-    found = types.SimpleNamespace(circumstances=clocks)
-    return compliance(logged, exact(replace(consistent(), numbers)), found), rig
+    return compliance(logged, exact(replace(consistent(), numbers)), clocks), rig
 
 
 @pytest.mark.parametrize("seed", [401, 402, 403, 404])

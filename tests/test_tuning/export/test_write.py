@@ -34,9 +34,7 @@ def test_the_folder_holds_the_files_that_are_named_and_no_other(tmp_path):
         "onboard/README.md",
         "onboard/scdpr_leg.c",
     }
-    # How to call them stands for those on board.
-    assert all(path.is_file() for path in written)
-    assert folder / "onboard" / "README.md" in written
+    assert {path for path in folder.rglob("*") if path.is_file()} == {*written}
 
 
 def test_a_tuning_that_was_read_exports_the_same_files(tmp_path):

@@ -98,7 +98,9 @@ def test_a_tuning_says_in_a_few_lines_what_it_holds(tuning):
 def test_the_robot_that_is_read_is_the_one_that_was_fitted(tuning, tmp_path):
     fitted = consistent()
     for share, one in enumerate(EVERY_QUANTITY, start=2):
-        fitted = replace(fitted, {one.name: float(value(fitted, one.name)) + 0.01 * share})
+        # A different number for each, and one that a robot may have.
+        more = 1e-4 * share if one.unit == "m/N" else 0.01 * share
+        fitted = replace(fitted, {one.name: float(value(fitted, one.name)) + more})
     robots = (FittedSetting(350.0, exact(fitted)),)
     write_tuning(tmp_path / "tuning.json", dataclasses.replace(tuning, robots=robots))
     again = read_tuning(tmp_path / "tuning.json").robot_at().robot
