@@ -75,7 +75,7 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
             start: What is carried into the first step.
             inputs: Inputs of the steps.
             along: Tangents of both, behind axes of robots and of tangents; None in place of an
-                array that doesn't move.
+                input that doesn't move. What is carried all has some.
 
         Returns:
             Results, and derivatives, which have an axis of tangents last.
