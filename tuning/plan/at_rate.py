@@ -38,7 +38,8 @@ def planned(
     alone = scenarios(robot, FITTED)
     fitted = Leader(alone.robot)
     begins = Moment(*(own[:-1:2][None] for own in every.motion(coefficients)))
-    run, _ = fitted.follow(starts(alone, leg), lead, begins, duration=period / 2)
+    halves = fitted.steps(period / 2)
+    run, _ = fitted.follow(halves, starts(alone, leg), lead, begins)
     middles = Moment(*(own[2::4][None] for own in every.motion(coefficients)))
     volts = fitted.commands(run.positions[:, 1::2], middles)
     led = np.stack([lower, height], axis=1)[::4]

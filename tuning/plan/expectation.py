@@ -20,7 +20,7 @@ from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State
 from tuning.plan.leg import Leg
 from tuning.plan.plan import Plan
-from tuning.plan.search.scenarios import FARTHEST, FITTED, scenarios
+from tuning.plan.search.scenarios import FARTHEST, FITTED, Scenarios
 
 ROBOTS: tuple[Variation, ...] = (*FITTED, *FARTHEST)
 """The robots that a plan is judged on: one vector of the engine's lanes."""
@@ -87,22 +87,18 @@ def sample(
     return (step(loop.robot, state, inputs), memory), state.position[0]
 
 
-def expectation(
-    robot: Robot, controller: PD, leg: Leg, plan: Plan, *, told: bool = False
-) -> Expectation:
+def expectation(robots: Scenarios, controller: PD, leg: Leg, plan: Plan) -> Expectation:
     """What a plan is expected to come to.
 
     Args:
-        robot: The fitted robot.
+        robots: The robots that it is judged on, the fitted one first.
         controller: The controller, at the plan's period.
         leg: The leg, for its begin and its end.
         plan: The plan.
-        told: Whether the leg's start is known to be as it is.
 
     Returns:
         Vibration and resting error.
     """
-    robots = scenarios(robot, ROBOTS, told=told)
     return driven(robots.robot, controller, leg, plan, slope=leg.slope + robots.slope)
 
 

@@ -17,6 +17,7 @@ expected to leave less, the plain profile it is.
 
 import concurrent.futures
 import dataclasses
+import functools
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -29,11 +30,12 @@ from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import replace
 from tuning.plan.at_rate import planned
-from tuning.plan.expectation import Expectation, expectation
+from tuning.plan.expectation import ROBOTS, Expectation, expectation
 from tuning.plan.leg import Leg
 from tuning.plan.pace import paced, possible
 from tuning.plan.plan import Plan
 from tuning.plan.search.misfit import Misfit
+from tuning.plan.search.scenarios import scenarios
 from tuning.plan.search.stages import COARSE, FINE, FIRST, Models, descend, models, search
 
 LEG_TIME = 2.0
@@ -165,7 +167,9 @@ class Planner:
             controller: The PD controller that it runs under.
         """
         self._robot, self._controller = robot, controller
-        self._models = {told: models(robot, controller, told=told) for told in (False, True)}
+        # A list of legs shares them; a leg alone needs but one kind.
+        self._models = functools.cache(lambda told: models(robot, controller, told=told))
+        self._judges = functools.cache(lambda told: scenarios(robot, ROBOTS, told=told))
 
     def __call__(self, wanted: Wanted, *, progress: Progress = SILENT) -> Planned:
         """A leg's plan.
@@ -184,14 +188,15 @@ class Planner:
         robot, controller, told = self._robot, self._controller, wanted.slope is not None
         time = LEG_TIME if wanted.time is None else wanted.time
         leg = Leg(wanted.start, wanted.end, time, wanted.slope or 0.0)
-        found, coefficients = _motion(robot, self._models[told], possible(robot, leg), progress)
+        found, coefficients = _motion(robot, self._models(told), possible(robot, leg), progress)
         progress("what is expected of it", 0.9)
         period = float(controller.period)
         plan = planned(robot, found, coefficients, period=period)
         rigid = planned(_rigid(robot), found, coefficients, period=period)
-        expected = expectation(robot, controller, found, rigid, told=told)
+        judges = self._judges(told)
+        expected = expectation(judges, controller, found, rigid)
         profile = plain_plan(leg, controller, radius=float(robot.drive.effective_radius))
-        plain = expectation(robot, controller, leg, profile, told=told)
+        plain = expectation(judges, controller, leg, profile)
         if plain.mean < expected.mean and expected.mean > NEGLIGIBLE:
             return Planned(leg, profile, profile, time, plain, plain)
         return Planned(found, plan, rigid, time, expected, plain)

@@ -16,8 +16,10 @@ from scdpr_jax.robot.quantities import replace
 from scdpr_jax.robot.state import rest
 from tuning.plan import expectation as expecting
 from tuning.plan.at_rate import planned
+from tuning.plan.expectation import ROBOTS
 from tuning.plan.leg import Leg
 from tuning.plan.planning import Wanted, plan_leg, plan_legs, resting_start
+from tuning.plan.search.scenarios import scenarios
 from tuning.plan.search.stages import COARSE, FINE, Stage, descend, models
 
 NUMBERS = {
@@ -92,8 +94,7 @@ def test_a_leg_that_is_too_fast_for_the_drives_takes_longer():
 def test_a_start_that_is_told_is_begun_at():
     slope = 0.7 * NUMBERS["friction_coefficient"]
     made = plan_leg(FITTED, CONTROLLER, START, END, slope=slope)
-    (run,) = expecting.scenarios(FITTED, (Variation(),)).slope
-    assert run == 0
+    assert scenarios(FITTED, (Variation(),)).slope == [0.0]
     assert made.expected.vibration[0] < made.plain.vibration[0] / 10
     assert abs(made.expected.resting[0]) < 0.2e-3
     begin = made.leg.course.begin
@@ -101,7 +102,7 @@ def test_a_start_that_is_told_is_begun_at():
 
 
 def test_where_the_plain_profile_is_expected_to_leave_less_it_is_the_plan(monkeypatch):
-    def pessimistic(robot, controller, leg, plan, *, told=False):
+    def pessimistic(robots, controller, leg, plan):
         worse = 1.0 if np.any(plan.feedforward) else 0.1
         return expecting.Expectation(np.full(7, worse), np.zeros(7))
 
@@ -159,7 +160,7 @@ def test_the_led_robot_is_that_of_the_closed_loop():
     point = descend(fine, np.zeros(leg.splines), Stage(3, 0.0)).point
     run = fine.run(point)
     plan = planned(FITTED, leg, point, period=1e-3)
-    told = expecting.expectation(FITTED, CONTROLLER, leg, plan)
+    told = expecting.expectation(scenarios(FITTED, ROBOTS), CONTROLLER, leg, plan)
     assert told.resting[0] == pytest.approx(fine.arriving(run, fine.goals).rest[0], abs=6e-5)
     # Millimetres without a plan; the command's hold is worth some hundredths.
     vibration = fine.arriving.vibrations(run, fine.goals)[0]

@@ -49,42 +49,50 @@ class Leader:
         self._command = native.Runs(_command, robot)
         self._stretch = native.Runs(_stretched, robot)
 
-    def _led(self, duration: float) -> native.Runs:
+    def steps(self, duration: float) -> native.Runs:
+        """Steps of a length, for `follow`.
+
+        Args:
+            duration: The length [s].
+
+        Returns:
+            Runs of such steps.
+        """
         return native.Runs(_advance, (self._robot, np.array([duration])))
 
     def follow(
-        self, start: Undriven, lead: Lead, motion: Moment, *, duration: float
+        self, steps: native.Runs, start: Undriven, lead: Lead, motion: Moment
     ) -> Inverted:
         """The robot led along a leg.
 
         Args:
+            steps: See `steps`.
             start: Where it begins.
             lead: Where it is led, a row for each step.
             motion: Of lower carriage and height at the beginnings, behind an axis of robots.
-            duration: Length of the steps [s].
 
         Returns:
             What it does.
         """
-        end, (positions, force) = self._led(duration)(start, (lead, motion.slope))
+        end, (positions, force) = steps(start, (lead, motion.slope))
         return Inverted(Followed(end, _none(1), positions), force)
 
     def follow_linearised(
         self,
+        steps: native.Runs,
         start: Undriven,
         lead: Lead,
         motion: Moment,
         *,
-        duration: float,
         along: Float[np.ndarray, "splines steps 3"],
     ) -> tuple[Inverted, Inverted]:
         """The same with derivatives by the coefficients of splines.
 
         Args:
+            steps: See `steps`.
             start: Where it begins.
             lead: Where it is led.
             motion: Of lower carriage and height at the beginnings.
-            duration: Length of the steps [s].
             along: What each spline does to the lead's lower carriage [1].
 
         Returns:
@@ -92,7 +100,7 @@ class Leader:
         """
         still = np.zeros((1, 1, 3))
         seeds = Slopes(Undriven(still, still), (Lead(along[None], None), None))
-        (end, (positions, force)), slopes = self._led(duration).linearised(
+        (end, (positions, force)), slopes = steps.linearised(
             start, (lead, motion.slope), along=seeds
         )
         none = np.zeros((1, len(along)))
@@ -165,39 +173,47 @@ class Followers:
         """
         self._robots, self._servo = robots, servo
 
-    def _led(self, duration: float) -> native.Runs:
+    def steps(self, duration: float) -> native.Runs:
+        """Steps of a length, for `follow`.
+
+        Args:
+            duration: The length [s].
+
+        Returns:
+            Runs of such steps.
+        """
         own = Servo(*(part[None] for part in self._servo))
         over = transitions(self._servo, duration)
         return native.Runs(deviating_step, (self._robots, np.array([duration]), own, over))
 
-    def follow(self, start: Undriven, led: Led, *, duration: float) -> Followed:
+    def follow(self, steps: native.Runs, start: Undriven, led: Led) -> Followed:
         """Robots led along a leg.
 
         Args:
+            steps: See `steps`.
             start: Where each begins.
             led: Where each is led, a row for each step.
-            duration: Length of the steps [s].
 
         Returns:
             What they do.
         """
-        (end, aside), positions = self._led(duration)((start, _none(1)), led)
+        (end, aside), positions = steps((start, _none(1)), led)
         return Followed(end, aside, positions)
 
     def follow_linearised(
         self,
+        steps: native.Runs,
         start: Undriven,
         led: Led,
         *,
-        duration: float,
         along: tuple[Float[np.ndarray, "splines steps 3"], Float[np.ndarray, "1 splines n"]],
     ) -> tuple[Followed, Followed]:
         """The same with derivatives by the coefficients of splines.
 
         Args:
+            steps: See `steps`.
             start: Where each begins.
             led: Where each is led.
-            duration: Length of the steps [s].
             along: What each spline does to the lead's lower carriage [1] and to the fitted
                 robot's force [N/m].
 
@@ -210,7 +226,7 @@ class Followers:
             (Undriven(still, still), Deviation(calm, calm)),
             Led(Lead(way[None], None), None, forces),
         )
-        ((end, aside), positions), slopes = self._led(duration).linearised(
+        ((end, aside), positions), slopes = steps.linearised(
             (start, _none(1)), led, along=seeds
         )
         return Followed(end, aside, positions), Followed(*slopes.carried, slopes.rows)

@@ -3,15 +3,15 @@
 import dataclasses
 import functools
 
-import jax
 import numpy as np
 from jaxtyping import Float
 
+from scdpr_jax import native
 from scdpr_jax.engines.led_stepping import Lead, Undriven
 from scdpr_jax.numerics.merit import Merit
 from tuning.plan.led.arrival import Arrival, Goal
 from tuning.plan.led.following import Arriving, Followed, Followers, Leader
-from tuning.plan.led.servo import Led
+from tuning.plan.led.servo import Deviation, Led
 from tuning.plan.leg import Leg
 from tuning.plan.profile import Moment
 from tuning.plan.search.grid import Grid
@@ -62,6 +62,14 @@ class Misfit:
         return Grid(self.leg, self.steps)
 
     @functools.cached_property
+    def _leading(self) -> native.Runs:
+        return self.leader.steps(self.duration)
+
+    @functools.cached_property
+    def _following(self) -> native.Runs:
+        return self.followers.steps(self.duration)
+
+    @functools.cached_property
     def goals(self) -> Goal:
         """Where the robots are to be."""
         return goals(self.robots, self.leg)
@@ -106,11 +114,11 @@ class Misfit:
         """
         lead, motion = self.grid.lead(point), self.grid.motion(point)
         first, others = self._starts
-        own, force = self.leader.follow(first, lead, motion, duration=self.duration)
+        own, force = self.leader.follow(self._leading, first, lead, motion)
         if self.followers is None:
             return own
         led = self._led(lead, motion, force)
-        return _joined(own, self.followers.follow(others, led, duration=self.duration))
+        return _joined(own, self.followers.follow(self._following, others, led))
 
     def commands(
         self, run: Followed, point: Float[np.ndarray, " splines"]
@@ -160,15 +168,15 @@ class Misfit:
         lead, motion, grid = self.grid.lead(point), self.grid.motion(point), self.grid
         first, others = self._starts
         (own, force), slopes = self.leader.follow_linearised(
-            first, lead, motion, duration=self.duration, along=grid.along
+            self._leading, first, lead, motion, along=grid.along
         )
         run, along = _looked_at(own, grid), _looked_at(slopes.run, grid)
         if self.followers is not None:
             pulled = np.moveaxis(slopes.force, -1, 1)
             more, their = self.followers.follow_linearised(
+                self._following,
                 others,
                 self._led(lead, motion, force),
-                duration=self.duration,
                 along=(grid.along, pulled),
             )
             run = _joined(run, _looked_at(more, grid))
@@ -248,7 +256,15 @@ def _by_robot(factor: Float[np.ndarray, " robots"], own: np.ndarray) -> np.ndarr
 
 def _joined(first: Followed, others: Followed) -> Followed:
     """A run of all robots."""
-    return jax.tree.map(lambda *parts: np.concatenate(parts), first, others)
+
+    def both(*parts: np.ndarray) -> np.ndarray:
+        return np.concatenate(parts)
+
+    return Followed(
+        Undriven(*map(both, first.end, others.end)),
+        Deviation(*map(both, first.aside, others.aside)),
+        both(first.positions, others.positions),
+    )
 
 
 def _looked_at(run: Followed, grid: Grid) -> Followed:
