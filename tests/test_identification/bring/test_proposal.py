@@ -84,7 +84,14 @@ def slipped(run, slip):
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="the shared campaigns aren't there")
-@pytest.mark.parametrize("slip", ["motors exchanged", "encoder reversed", "y downwards"])
+@pytest.mark.parametrize(
+    "slip",
+    [
+        "motors exchanged",
+        pytest.param("encoder reversed", marks=pytest.mark.slow),
+        pytest.param("y downwards", marks=pytest.mark.slow),
+    ],
+)
 def test_slips_of_plugs_and_signs_are_put_right_in_the_mapping(slip, tmp_path):
     random = np.random.default_rng(len(slip))
     style, campaign = log_styles.draw_style("utf-16", random), read_campaign(SHARED)
@@ -122,6 +129,7 @@ def test_frames_in_the_drives_own_log_are_frames(tmp_path):
     np.testing.assert_array_equal(found.runs[0].camera.position[0], camera.position[0])
 
 
+@pytest.mark.slow
 def test_many_knocks_in_one_recording_are_as_many_runs_with_the_same_frequencies(tmp_path):
     made, random = knock_recording.recording(6, knocks=8), np.random.default_rng(6)
     style = log_styles.draw_style("utf-16", random)

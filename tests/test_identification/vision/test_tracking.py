@@ -46,7 +46,9 @@ def rms(error):
 
 
 @pytest.mark.parametrize("video", ["video.avi", "video.mp4"])
-@pytest.mark.parametrize("kind", ["easy", "usual", "hard"])
+@pytest.mark.parametrize(
+    "kind", ["easy", "usual", pytest.param("hard", marks=pytest.mark.slow)]
+)
 def test_poses_are_as_good_as_a_camera_of_twice_the_pixels_is_asked_for(films, kind, video):
     folder, truth = films(kind)
     error = errors(tracked(folder, video=video), truth)

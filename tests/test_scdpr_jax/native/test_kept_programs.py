@@ -133,7 +133,7 @@ def test_a_function_inside_of_another_is_not_kept(cache):
 
 def test_another_source_is_another_program(cache, monkeypatch):
     native.kept_jit(driven)(PARAMETERS, FORCES, 1.0)
-    monkeypatch.setattr(kept_programs, "_sources", lambda package: b"edited")
+    monkeypatch.setattr(kept_programs, "sources", lambda package: b"edited")
     native.kept_jit(driven)(PARAMETERS, FORCES, 1.0)
     assert len(programs(cache)) == 2
 

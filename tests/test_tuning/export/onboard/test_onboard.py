@@ -2,8 +2,10 @@
 
 import ctypes
 import math
+import pathlib
 import shutil
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -13,22 +15,18 @@ from scdpr_jax.legs.random_legs import random_legs
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
-from tuning.export.onboard.files import onboard_files
-from tuning.export.onboard.program import OnBoard
 from tuning.plan.planning import plan_leg, resting_start
 
-ROBOT = exact(
-    replace(
-        consistent(),
-        {
-            "effective_pretension": 95.0,
-            "friction_coefficient": 0.015,
-            "drive_inertia": 0.0138,
-            "drive_damping": 0.205,
-        },
-    )
-)
-CONTROLLER = PD(34.46, 1.96)
+NUMBERS = {
+    "effective_pretension": 95.0,
+    "friction_coefficient": 0.015,
+    "drive_inertia": 0.0138,
+    "drive_damping": 0.205,
+    "drive_compliance": 1.5e-5,
+}
+
+
+ROBOT, CONTROLLER = exact(replace(consistent(), NUMBERS)), PD(34.46, 1.96)
 COMPILER = shutil.which("cc")
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror"]
 HEIGHT = float(ROBOT.frame.height)
@@ -42,13 +40,32 @@ long leg_size(void) { return sizeof(scdpr_leg); }
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler, `cc`, here")
 
 
+WRITE = """
+import pathlib, sys
+import jax
+jax.config.update("jax_enable_x64", True)
+sys.path.insert(0, sys.argv[2])
+import test_onboard as given
+from tuning.export.onboard.files import onboard_files
+from tuning.export.onboard.program import OnBoard
+for name, text in onboard_files(OnBoard(given.ROBOT, given.CONTROLLER)).items():
+    pathlib.Path(sys.argv[1], name).write_text(text)
+"""
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
+    """The files, written by a process without the tests' type checks: five times as fast."""
     where = tmp_path_factory.mktemp("onboard")
-    files = onboard_files(OnBoard(ROBOT, CONTROLLER))
-    assert {*files} == {"README.md", "example.c", "scdpr_leg.c", "scdpr_leg.h", "selftest.c"}
-    for name, text in files.items():
-        (where / name).write_text(text)
+    here = str(pathlib.Path(__file__).parent)
+    subprocess.run([sys.executable, "-c", WRITE, str(where), here], check=True)
+    assert {path.name for path in where.iterdir()} == {
+        "README.md",
+        "example.c",
+        "scdpr_leg.c",
+        "scdpr_leg.h",
+        "selftest.c",
+    }
     (where / "size.c").write_text(SIZE)
     return where
 
@@ -168,7 +185,8 @@ def test_from_the_first_call_on_there_is_a_leg_that_can_be_driven(planner):
     before = planner.vibration()[0]
     for _ in range(60):
         np.testing.assert_allclose(planner.at(0.0)[:2], 0.0, atol=1e-12)
-        np.testing.assert_allclose(planner.at(planner.time() + 1.0)[:2], arrival, rtol=1e-12)
+        # Cables that give are ahead by what friction holds, 4 N, at the most.
+        np.testing.assert_allclose(planner.at(planner.time() + 1.0)[:2], arrival, atol=1e-3)
         # What is known of the fitted robot never gets worse but by what others gain.
         assert planner.vibration()[0] <= max(before, 0.3e-3)
         if planner.work() == 1:
