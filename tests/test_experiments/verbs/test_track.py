@@ -67,6 +67,7 @@ def test_the_overlay_is_a_video_of_as_many_pictures(run):
         assert sum(1 for _ in video.frames) == 12
 
 
+@pytest.mark.slow
 def test_its_end_says_where_the_deviations_go(film, tmp_path, capsys):
     folder, _ = film
     assert (
@@ -78,6 +79,7 @@ def test_its_end_says_where_the_deviations_go(film, tmp_path, capsys):
     assert "12 pictures, 12 with every pose" in said
 
 
+@pytest.mark.slow
 def test_markers_that_are_not_seen_leave_empty_cells_and_fall_short(film, tmp_path, capsys):
     folder, _ = film
     text = (folder / "vision.toml").read_text()
