@@ -59,7 +59,7 @@ def beginning(
         raise ValueError(
             f"{'`--start`' if start is not None else run}: the carriages' line has a slope of "
             f"{slope:.4f}, expected at most {steepest:.4f}, which friction holds at rest. Give "
-            "x_e, delta, q3 (lower carriage), q4 (upper carriage) and y_e of a robot at rest."
+            "a robot at rest: q_3 is the lower carriage's place and q_4 the upper one's."
         )
     text = f"{place[0]} m, {place[1]} m"
     return Begin(parse_position(text, name="the start", robot=robot), slope)

@@ -191,8 +191,10 @@ class Planner:
         found, coefficients = _motion(robot, self._models(told), possible(robot, leg), progress)
         progress("what is expected of it", 0.9)
         period = float(controller.period)
-        plan = planned(robot, found, coefficients, period=period)
         rigid = planned(_rigid(robot), found, coefficients, period=period)
+        plan = rigid
+        if float(robot.drive.compliance):
+            plan = planned(robot, found, coefficients, period=period)
         judges = self._judges(told)
         expected = expectation(judges, controller, found, rigid)
         profile = plain_plan(leg, controller, radius=float(robot.drive.effective_radius))

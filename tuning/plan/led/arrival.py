@@ -60,22 +60,14 @@ def arrival(robot: Robot, state: Undriven, goal: Goal) -> Arrival:
     Returns:
         What it does.
     """
-    x, tilt, upper = jnp.unstack(state.position)
-    slope = (goal.lower - upper) / robot.frame.height
-    line = jnp.stack([goal.lower - slope * goal.height, _arctangent(slope)])
-    away = jnp.stack([x, tilt]) - line
-    shapes, frequencies = modes(robot, upper, goal, line)
-    mass = jnp.stack([robot.end_effector.mass, robot.end_effector.inertia])
+    about = _about_line(robot, state, goal)
     # In metres of x_e; a mode that only turns the end-effector counts, too.
-    size = jnp.sqrt(jnp.square(shapes[0]) + jnp.square(TURNED) / mass[0])
-    displaced, moving = (
-        size * jnp.sum(shapes * (mass * own)[:, None], axis=0)
-        for own in (away, state.velocity[:2])
-    )
+    arm = jnp.square(TURNED) / robot.end_effector.mass
+    size = jnp.sqrt(jnp.square(about.shapes[0]) + arm)
     return Arrival(
-        jnp.concatenate([displaced, moving / frequencies]),
+        jnp.concatenate([size * about.displaced, size * about.moving]),
         state.velocity[2],
-        line[0] - goal.place,
+        about.rest - goal.place,
     )
 
 
@@ -93,6 +85,24 @@ def vibration(robot: Robot, state: Undriven, goal: Goal) -> Array:
     Returns:
         Peak to peak [m].
     """
+    about = _about_line(robot, state, goal)
+    size = jnp.sqrt(jnp.square(about.displaced) + jnp.square(about.moving))
+    return 2 * jnp.sum(jnp.abs(about.shapes[0]) * size)
+
+
+class _AboutLine(NamedTuple):
+    """A state in the modes about the line between the carriages."""
+
+    shapes: Float[Array, "2 2"]
+    displaced: Float[Array, "2"]
+    r"""$\eta_i$ [m √kg]."""
+    moving: Float[Array, "2"]
+    r"""$\dot\eta_i / \omega_i$ [m √kg]."""
+    rest: Array
+    """Where the end-effector is on the line, $x_e$ [m]."""
+
+
+def _about_line(robot: Robot, state: Undriven, goal: Goal) -> _AboutLine:
     _, _, upper = jnp.unstack(state.position)
     slope = (goal.lower - upper) / robot.frame.height
     line = jnp.stack([goal.lower - slope * goal.height, _arctangent(slope)])
@@ -102,8 +112,7 @@ def vibration(robot: Robot, state: Undriven, goal: Goal) -> Array:
         jnp.sum(shapes * (mass * own)[:, None], axis=0)
         for own in (state.position[:2] - line, state.velocity[:2])
     )
-    size = jnp.sqrt(jnp.square(displaced) + jnp.square(moving / frequencies))
-    return 2 * jnp.sum(jnp.abs(shapes[0]) * size)
+    return _AboutLine(shapes, displaced, moving / frequencies, line[0])
 
 
 def modes(
