@@ -8,18 +8,15 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD, published_pd
-from scdpr_jax.command.trajectory import rest_to_rest
-from scdpr_jax.engines.closed_loop import joint_references
 from scdpr_jax.legs.command_law import Commands
 from scdpr_jax.legs.ensemble import Ensemble, Variation, varied
 from scdpr_jax.legs.leg import Leg as Run
 from scdpr_jax.legs.leg import leg_of, run_leg
+from scdpr_jax.legs.starts import held_slope
 from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.expectation import ROBOTS
-from tuning.plan.leg import Leg
-from tuning.plan.plan import Plan
-from tuning.plan.planning import Planned
+from tuning.plan.planning import Planned, plain_plan
 
 AFTERWARDS = 1.5
 """Time that is looked at after the leg [s]."""
@@ -51,11 +48,16 @@ def compare(robot: Robot, controller: PD, planned: Planned) -> Compared:
         Both on every robot, in the time of the plan.
     """
     leg, plan = planned.leg, planned.rigid
+    share = leg.slope / float(held_slope(robot)) if leg.slope else 0.0
     robots = dataclasses.replace(
         varied(robot, ROBOTS, np.asarray(leg.start)),
-        out_of_line=np.array([own.out_of_line for own in ROBOTS]) + _share(robot, leg),
+        out_of_line=np.array([own.out_of_line for own in ROBOTS]) + share,
     )
-    plain, period = plain_leg(robot, plan), float(controller.period)
+    period, radius = float(controller.period), float(robot.drive.effective_radius)
+    # In the plan's time, which may be longer than what was asked for.
+    plain = plain_plan(
+        dataclasses.replace(leg, time=float(plan.time[-1])), controller, radius=radius
+    )
     # One length of runs for a second of leg times: fewer programs.
     whole = math.ceil(plan.time[-1] + AFTERWARDS)
     rest = period * (round(whole / period) - plan.time.size + 1)
@@ -64,37 +66,6 @@ def compare(robot: Robot, controller: PD, planned: Planned) -> Compared:
         _legs(robots, plain.commands(robot, published_pd(), rest=rest)),
         _legs(robots, plan.commands(robot, controller, rest=rest)),
     )
-
-
-def _share(robot: Robot, leg: Leg) -> float:
-    """Slope at the leg's begin over what friction holds [1]."""
-    carriages = (robot.lower_carriage, robot.upper_carriage)
-    held = min(float(own.friction.coefficient) for own in carriages)
-    return leg.slope / held if leg.slope else 0.0
-
-
-def plain_leg(robot: Robot, plan: Plan) -> Plan:
-    """The curve of section 6.2 in a plan's time, without feed-forward.
-
-    Args:
-        robot: The robot.
-        plan: The plan.
-
-    Returns:
-        The plain leg as a plan.
-    """
-    position, angle = map(np.asarray, _plain(robot, plan.position, plan.time))
-    return Plan(plan.time, position, angle, np.zeros_like(plan.feedforward))
-
-
-@kept_jit
-def _plain(
-    robot: Robot, position: Float[Array, "samples 2"], time: Float[Array, " samples"]
-) -> tuple[Float[Array, "samples 2"], Float[Array, "samples 2"]]:
-    """Places and angles of the plain profile between the ends of another."""
-    leg = rest_to_rest(position[0], position[-1], duration=time[-1])
-    plain = jax.vmap(leg.position)(time)
-    return plain, joint_references(robot, plain)
 
 
 def _words(variation: Variation) -> str:

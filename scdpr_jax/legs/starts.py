@@ -34,10 +34,22 @@ def rest_out_of_line(
         The state.
     """
     x, y = position
-    lower, upper = robot.lower_carriage.friction, robot.upper_carriage.friction
-    slope = share * jnp.minimum(lower.coefficient, upper.coefficient)
+    slope = share * held_slope(robot)
     place = x + slope * y
     return rest(robot, place, place - slope * robot.frame.height, y)
+
+
+def held_slope(robot: Robot) -> Float[Array, "..."]:
+    """Steepest slope of the line between the carriages that kinetic friction holds.
+
+    Args:
+        robot: The robot, or several stacked.
+
+    Returns:
+        The lesser of both carriages' coefficients [1].
+    """
+    lower, upper = robot.lower_carriage.friction, robot.upper_carriage.friction
+    return jnp.minimum(lower.coefficient, upper.coefficient)
 
 
 def even_shares(count: int) -> Float[np.ndarray, " count"]:

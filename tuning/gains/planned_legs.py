@@ -6,6 +6,7 @@ import jax
 import numpy as np
 
 from scdpr_jax.command.controller import PD
+from scdpr_jax.legs.starts import held_slope
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
 from tuning.gains.legs import Legs
@@ -54,9 +55,7 @@ def planned_legs(
 def _slope(row: Legs) -> float:
     """Slope of the line between the carriages at a leg's begin [1]."""
     robot = row.ensemble.robot
-    carriages = (robot.lower_carriage, robot.upper_carriage)
-    held = min(float(own.friction.coefficient[0]) for own in carriages)
-    return held * float(row.ensemble.out_of_line[0])
+    return float(held_slope(robot)[0]) * float(row.ensemble.out_of_line[0])
 
 
 def _pair(place: np.ndarray) -> tuple[float, float]:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from scdpr_jax.legs.starts import held_slope
 from tuning.export.description import decimal
 from tuning.export.onboard.program import HEADER, SOURCE, OnBoard
 from tuning.export.template import fill_in
@@ -61,8 +62,7 @@ def _legs(about: OnBoard) -> list[Wanted]:
     """Legs of the self-test: across the frame, slantwise, and from a start out of line."""
     frame = about.robot.frame
     width, height = float(frame.width), float(frame.height)
-    carriages = (about.robot.lower_carriage, about.robot.upper_carriage)
-    held = min(float(own.friction.coefficient) for own in carriages)
+    held = float(held_slope(about.robot))
 
     def place(x: float, y: float) -> tuple[float, float]:
         return round(x * width, 3), round(y * height, 3)

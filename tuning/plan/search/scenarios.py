@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from scdpr_jax.engines.led_stepping import Undriven
 from scdpr_jax.legs.ensemble import Variation, varied
+from scdpr_jax.legs.starts import held_slope
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.led.arrival import Goal
 from tuning.plan.leg import Leg
@@ -63,13 +64,11 @@ def scenarios(
         The robots.
     """
     ensemble = varied(robot, variations, (0.0, 0.0))
-    carriages = (robot.lower_carriage, robot.upper_carriage)
-    held = min(float(own.friction.coefficient) for own in carriages)
     weight = ensemble.weight
     nominal = [dataclasses.replace(own, weight=1.0) == Variation() for own in variations]
     return Scenarios(
         ensemble.robot,
-        held * ensemble.out_of_line * (TOLD if told else 1.0),
+        float(held_slope(robot)) * ensemble.out_of_line * (TOLD if told else 1.0),
         weight,
         np.where(nominal, weight, OFF_NOMINAL * weight),
     )
