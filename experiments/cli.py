@@ -23,6 +23,7 @@ VERBS: dict[str, dict[str, str]] = {
     "tuning": {
         "tune": "gains and input shapers from parameters and frequencies: tuning.json, export/",
         "plan": "references and feed-forward of one leg that arrives without vibration",
+        "refine": "the tuned robot, corrected by legs that were logged",
         "shape": "the input shaper for a measured spectrum: shaper.json",
         "codesign": "gains, shaper and leg together, over poses, settings and what is unknown",
     },
