@@ -16,7 +16,7 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bar
 
-from scdpr_jax.numerics.private_folder import private_folder
+from scdpr_jax.numerics.files.private_folder import private_folder
 from scdpr_jax.numerics.progress import Progress
 
 

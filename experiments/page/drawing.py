@@ -9,13 +9,13 @@ import contextlib
 import gc
 import multiprocessing
 import os
-import signal
 from collections.abc import Callable, Iterator
 
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from experiments.page.inline_svg import inline_svg
+from scdpr_jax.numerics.processes import end_with_pool
 
 Draw = Callable[[Figure, str, str], "Drawn"]
 """From a figure, its name and its description to the picture."""
@@ -84,5 +84,5 @@ def drawing_aside(processes: int = os.cpu_count() or 1) -> Iterator[Draw]:
 
 def _begin(*threshold: int) -> None:
     """A process that looks for cycles as the one does that began it, and is ended by it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_pool()
     gc.set_threshold(*threshold)

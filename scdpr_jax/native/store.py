@@ -12,7 +12,7 @@ import warnings
 
 import jax
 
-from scdpr_jax.numerics.private_folder import private_folder
+from scdpr_jax.numerics.files.private_folder import private_folder
 
 _MARK = b"scdpr-jax code 2\n"
 
