@@ -15,7 +15,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from experiments.page.inline_svg import inline_svg
-from scdpr_jax.numerics.processes import end_with_pool
+from scdpr_jax.numerics.processes import deaf_to_interrupts, end_with_pool
 
 Draw = Callable[[Figure, str, str], "Drawn"]
 """From a figure, its name and its description to the picture."""
@@ -75,8 +75,9 @@ def drawing_aside(processes: int = os.cpu_count() or 1) -> Iterator[Draw]:
         return Drawn(pool.submit(inline_svg, figure, name=name, description=description))
 
     try:
-        for _ in range(processes):
-            pool.submit(int)  # Nothing, but a process begins for it.
+        with deaf_to_interrupts():
+            for _ in range(processes):
+                pool.submit(int)  # Nothing, but a process begins for it.
         yield aside
     finally:
         pool.shutdown(cancel_futures=True)

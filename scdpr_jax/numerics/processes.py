@@ -5,8 +5,10 @@ the parent has said so, and the parent takes that for a fault of its work; one w
 killed goes on for nobody.
 """
 
+import contextlib
 import signal
 import sys
+from collections.abc import Iterator
 
 _PARENT_DEATH = 1
 """`PR_SET_PDEATHSIG` of Linux."""
@@ -19,6 +21,25 @@ def end_with_parent() -> None:
         import ctypes
 
         ctypes.CDLL(None).prctl(_PARENT_DEATH, int(signal.SIGKILL), 0, 0, 0)
+
+
+@contextlib.contextmanager
+def deaf_to_interrupts() -> Iterator[None]:
+    """What begins in here never hears Ctrl-C, not even while it is being loaded.
+
+    The thread that begins it doesn't hear it meanwhile; the others of its process do.
+
+    Yields:
+        Nothing.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def end_with_pool() -> None:

@@ -48,7 +48,7 @@ def read_in_child(files: Sequence[tuple[str, Path]]) -> list[list[Channel] | Fau
 
 def _one_child(files: Sequence[tuple[str, Path]]) -> list[list[Channel] | Fault]:
     """What one child makes of the first of some files: of all, or up to one that ended it."""
-    with scratch_folder("scdpr-import-") as out:
+    with scratch_folder() as out:
         ended = _run(out, files)
         results = list(_results(out, files))
     if len(results) < len(files):

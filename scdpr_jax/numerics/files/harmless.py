@@ -6,6 +6,7 @@ since a log is a log; it is written out where it is shown.
 """
 
 import re
+import unicodedata
 
 LONGEST = 300
 """Characters of a part of a message."""
@@ -28,9 +29,14 @@ def printable(text: str) -> str:
     """
     if text.isprintable():
         return text
-    return "".join(
-        mark if mark.isprintable() else mark.encode("unicode_escape").decode() for mark in text
-    )
+    return "".join(map(_shown, text))
+
+
+def _shown(mark: str) -> str:
+    # Blanks of other widths are no printable characters to Python.
+    if mark.isprintable() or unicodedata.category(mark) == "Zs":
+        return mark
+    return mark.encode("unicode_escape").decode()
 
 
 def shortened(text: str, most: int = LONGEST) -> str:

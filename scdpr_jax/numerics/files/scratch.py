@@ -7,8 +7,10 @@ one who ends the process waits for.
 """
 
 import contextlib
+import hashlib
 import os
 import pathlib
+import platform
 import secrets
 import shutil
 import tempfile
@@ -18,15 +20,15 @@ from collections.abc import Iterator
 TOGETHER = threading.Lock()
 """Held while what belongs together is put in its place: a process isn't ended then."""
 _on_the_way: set[pathlib.Path] = set()
-_MARK = "scdpr"
+_MARK = f"scdpr-{hashlib.sha256(platform.node().encode()).hexdigest()[:8]}"
+"""Whose it is: a folder may be shared by machines, each with processes of its own."""
 
 
 @contextlib.contextmanager
-def scratch_folder(prefix: str, beside: pathlib.Path | None = None) -> Iterator[pathlib.Path]:
-    """A folder that is gone afterwards.
+def scratch_folder(beside: pathlib.Path | None = None) -> Iterator[pathlib.Path]:
+    """A folder that is gone afterwards, and its user's alone.
 
     Args:
-        prefix: What its name begins with.
         beside: The folder that it is made in; the system's own for such things otherwise.
 
     Yields:
@@ -35,7 +37,10 @@ def scratch_folder(prefix: str, beside: pathlib.Path | None = None) -> Iterator[
     Raises:
         OSError: If it can't be made.
     """
-    folder = pathlib.Path(tempfile.mkdtemp(prefix=prefix, dir=beside))
+    place = pathlib.Path(tempfile.gettempdir() if beside is None else beside)
+    _remove_orphans(place)
+    folder = _name(place)
+    folder.mkdir(mode=0o700)
     _on_the_way.add(folder)
     try:
         yield folder
@@ -60,7 +65,7 @@ def scratch_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
         OSError: If it can't be made.
     """
     _remove_orphans(path.parent)
-    scratch = path.parent / f".{_MARK}-{os.getpid()}-{secrets.token_hex(6)}.tmp"
+    scratch = _name(path.parent)
     _on_the_way.add(scratch)
     try:
         os.close(os.open(scratch, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
@@ -87,20 +92,28 @@ def is_scratch(name: str | bytes | int) -> bool:
 def remove_scratch() -> None:
     """Remove what is on its way, as the process ends."""
     for path in tuple(_on_the_way):
-        with contextlib.suppress(OSError):
-            if path.is_dir():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.unlink(missing_ok=True)
+        _remove(path)
+
+
+def _name(folder: pathlib.Path) -> pathlib.Path:
+    """A name that nothing has, and that says whose it is."""
+    return folder / f".{_MARK}-{os.getpid()}-{secrets.token_hex(6)}.tmp"
+
+
+def _remove(path: pathlib.Path) -> None:
+    with contextlib.suppress(OSError):
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
 
 
 def _remove_orphans(folder: pathlib.Path) -> None:
-    """Remove scratch files of processes that are no more."""
+    """Remove what processes that were killed have left on this machine."""
     for left in folder.glob(f".{_MARK}-*.tmp"):
-        owner = left.name.split("-")[1]
+        owner = left.name.split("-")[2]
         if owner.isdecimal() and not _is_running(int(owner)):
-            with contextlib.suppress(OSError):
-                left.unlink(missing_ok=True)
+            _remove(left)
 
 
 def _is_running(process: int) -> bool:
