@@ -5,7 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
-from experiments.verbs.places import require_outside
+from experiments.verbs.places import require_outside, try_out
 
 
 def identify(
@@ -52,6 +52,7 @@ def identify(
     from identification.campaign import read_campaign
 
     require_outside(out, campaign)
+    try_out(out / "parameters.json")
     read = examined(
         read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="identify"
     )

@@ -7,10 +7,12 @@ in another folder it might be another disk, where a move is a copy.
 """
 
 import contextlib
+import errno
 import os
 import pathlib
-import tempfile
 from collections.abc import Iterator
+
+from scdpr_jax.numerics.files.scratch import TOGETHER, is_scratch, scratch_file
 
 
 def write_whole(path: pathlib.Path, text: str) -> None:
@@ -21,13 +23,14 @@ def write_whole(path: pathlib.Path, text: str) -> None:
 
     Args:
         path: The file, replaced if it exists.
-        text: What it shall hold; written as UTF-8 with the line ends that it has.
+        text: What it shall hold; written as UTF-8 with the line ends that it has. A lone
+            surrogate, of a name that isn't UTF-8, is written out.
 
     Raises:
         OSError: If the place can't be written to; what was there is still there.
     """
     with whole_file(path) as scratch:
-        scratch.write_text(text, encoding="utf-8", newline="")
+        scratch.write_bytes(text.encode("utf-8", "backslashreplace"))
 
 
 @contextlib.contextmanager
@@ -41,16 +44,28 @@ def whole_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
         An empty file beside it to be written.
 
     Raises:
-        OSError: If the place can't be written to; what was there is still there.
+        OSError: If the place can't be written to; what was there is still there. It names the
+            file, and no scratch file.
     """
     path = pathlib.Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-", suffix=".tmp")
-    os.close(handle)
     try:
-        yield pathlib.Path(name)
-        # A temporary file is its owner's alone; the result is to be read like any other.
-        os.chmod(name, 0o644)
-        os.replace(name, path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with scratch_file(path) as scratch:
+            yield scratch
+            _to_disk(scratch)
+            with TOGETHER:
+                os.replace(scratch, path)
+    except OSError as error:
+        if error.filename is not None and not is_scratch(error.filename):
+            raise
+        code, reason = error.errno or errno.EIO, error.strerror or str(error)
+        raise OSError(code, reason, str(path)) from error
+
+
+def _to_disk(path: pathlib.Path) -> None:
+    """A name that outlives a power cut must not be that of a file which doesn't."""
+    handle = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(handle)
     finally:
-        pathlib.Path(name).unlink(missing_ok=True)
+        os.close(handle)
