@@ -41,26 +41,23 @@ def write_overlay(
     if path.suffix.lower() != ".mp4":
         raise ValueError(f"`--overlay`: got {path.name}, expected a file called .mp4.")
     cv2 = opencv()
-    with pictures(folder / vision.video) as video, whole_file(path) as scratch:
-        # The writer takes its format from the name.
-        named = scratch.with_suffix(".mp4")
+    with (
+        pictures(folder / vision.video) as video,
+        whole_file(path, named_in=path.parent) as scratch,
+    ):
         writer = cv2.VideoWriter(
-            str(named),
+            str(scratch),
             cv2.VideoWriter_fourcc(*"mp4v"),
             vision.time.frame_rate or video.rate or 30.0,
             (video.width, video.height),
         )
         if not writer.isOpened():
             raise ValueError(f"`--overlay`: {path} can't be written. Choose another place.")
-        try:
-            for frame in video.frames:
-                draw(frame.picture, vision, tracked, frame.number)
-                writer.write(frame.picture)
-                progress("overlay", frame.number / max(video.count, 1))
-            writer.release()
-            named.replace(scratch)
-        finally:
-            named.unlink(missing_ok=True)
+        for frame in video.frames:
+            draw(frame.picture, vision, tracked, frame.number)
+            writer.write(frame.picture)
+            progress("overlay", frame.number / max(video.count, 1))
+        writer.release()
 
 
 def draw(

@@ -1,0 +1,1 @@
+"""Many campaigns identified in one call: `scdpr identify A B C …`."""

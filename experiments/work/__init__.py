@@ -1,0 +1,1 @@
+"""Long computations in independent units: who computes them, and what is kept of them."""
