@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from experiments.runtime.job import Job
+from experiments.runtime.run import result
+from experiments.runtime.store.store import Store
 from experiments.sweep.unit import Sweep
-from experiments.work.job import Job
-from experiments.work.run import result
-from experiments.work.store.store import Store
 
 
 class Records:

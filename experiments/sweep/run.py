@@ -5,18 +5,18 @@ from collections.abc import Callable
 
 import xarray as xr
 
+from experiments.runtime.executors.executor import Executor
+from experiments.runtime.executors.here import ThisProcess
+from experiments.runtime.installation import installation
+from experiments.runtime.job import Job
+from experiments.runtime.run import run
+from experiments.runtime.store.store import Distrusted, Store, claimed
 from experiments.sweep.axes import Axis
 from experiments.sweep.grid import Grid
 from experiments.sweep.measure import Measure
 from experiments.sweep.netcdf import write_dataset
 from experiments.sweep.records import Records
 from experiments.sweep.unit import Sweep, named_inputs
-from experiments.work.executors.executor import Executor
-from experiments.work.executors.here import ThisProcess
-from experiments.work.installation import installation
-from experiments.work.job import Job
-from experiments.work.run import run
-from experiments.work.store.store import Distrusted, Store, claimed
 from identification.campaign.quantities import format_quantity
 from scdpr_jax.numerics.files import settle
 from scdpr_jax.numerics.progress import SILENT, Progress
@@ -112,8 +112,8 @@ def _fill(
         first, last = swept.ends(number)
         raise UnfinishedSweepError(
             f"{len(completion.failures)} of {job.count} parts of the sweep couldn't be "
-            f"computed, the first one points {first:,} to {last - 1:,}: {reason}. The others are kept: "
-            "the same call tries these again."
+            f"computed, the first one points {first:,} to {last - 1:,}: {reason}. The others "
+            "are kept: the same call tries these again."
         )
 
 

@@ -9,11 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from experiments.runtime.parcel import Parcel
 from experiments.sweep.axes import Axis
 from experiments.sweep.grid import Grid
 from experiments.sweep.measure import Compute, Measure, Values
 from experiments.sweep.measures import MEASURES
-from experiments.work.parcel import Parcel
 from scdpr_jax.numerics.batches import in_chunks
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent

@@ -7,7 +7,7 @@ import tyro
 from rich.console import Console
 
 if TYPE_CHECKING:
-    from experiments.work.store.store import Distrusted
+    from experiments.runtime.store.store import Distrusted
 
 Folder = Annotated[pathlib.Path, tyro.conf.Positional]
 """A path that is given without a flag."""

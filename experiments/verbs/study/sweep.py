@@ -47,7 +47,7 @@ def sweep(
             local:N for one of N workers on this machine. Needs the extra `cluster`.
         certificates: Folder with ca.pem, cert.pem and key.pem, for tls://.
     """
-    from experiments.work.executors.chosen import chosen, require_cluster
+    from experiments.runtime.executors.chosen import chosen, require_cluster
 
     require_cluster(cluster, certificates, cores)
     set_up(double=precision == "double", all_cores=True)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
+from experiments.runtime.computation import _begun
 from experiments.sweep import unit
 from experiments.sweep.axes import parse_axes
 from experiments.sweep.frequency import FREQUENCY
@@ -22,7 +23,6 @@ from experiments.sweep.move import CLOSED_LOOP
 from experiments.sweep.run import sweep
 from experiments.sweep.static_workspace import WORKSPACE
 from experiments.sweep.unit import Sweep
-from experiments.work.computation import _begun
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import closed_loop
@@ -255,7 +255,7 @@ def test_a_point_that_cannot_be_computed_leaves_the_others_and_no_file(tmp_path,
 
 def test_a_killed_command_goes_on_to_the_same_bits(tmp_path):
     out, whole = tmp_path / "out.nc", tmp_path / "whole.nc"
-    grid = ("y=0.2..0.9:400 m", "effective_pretension=50..300:800 N")
+    grid = ("y=0.2..0.9:200 m", "effective_pretension=50..300:700 N")
     command = [sys.executable, "-m", "experiments.cli", "sweep", "frequency", "--over", *grid]
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache")}
 
@@ -268,7 +268,7 @@ def test_a_killed_command_goes_on_to_the_same_bits(tmp_path):
         time.sleep(0.002)
     first.kill()
     assert first.wait() == -9
-    assert 0 < len(list(folder.glob("*.unit"))) < 5
+    assert 0 < len(list(folder.glob("*.unit"))) < 3
     assert not out.exists()
 
     for path in (out, whole):

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Iterator
 
-from experiments.work.computation import Outcome, compute
-from experiments.work.executors.executor import Executor
-from experiments.work.installation import Installation, installation
-from experiments.work.job import Job
+from experiments.runtime.computation import Outcome, compute
+from experiments.runtime.executors.executor import Executor
+from experiments.runtime.installation import Installation, installation
+from experiments.runtime.job import Job
 
 
 class ThisProcess(Executor):

@@ -12,16 +12,16 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from experiments.work.job import Job
-from experiments.work.store.lock import LOCK, locked
-from experiments.work.store.manifest import (
+from experiments.runtime.job import Job
+from experiments.runtime.store.lock import LOCK, locked
+from experiments.runtime.store.manifest import (
     MANIFEST,
     differing,
     inputs_of,
     read_manifest,
     write_manifest,
 )
-from experiments.work.store.record import opened, sealed
+from experiments.runtime.store.record import opened, sealed
 from scdpr_jax.numerics.files import write_bytes_whole
 
 _UNIT = re.compile(r"(\d{8,})\.unit", re.ASCII)

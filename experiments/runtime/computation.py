@@ -10,8 +10,8 @@ import json
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from experiments.work.installation import Installation, different, installation
-from experiments.work.parcel import Parcel, unpacked
+from experiments.runtime.installation import Installation, different, installation
+from experiments.runtime.parcel import Parcel, unpacked
 
 Compute = Callable[[int, bytes], bytes]
 """From a unit's number and what it is given to its result."""
@@ -20,7 +20,7 @@ Begin = Callable[[Parcel], Compute]
 
 COMPUTATIONS: Mapping[str, str] = {
     "sweep": "experiments.sweep.unit",
-    "identify": "experiments.batch.unit",
+    "identify": "experiments.studies.campaigns.unit",
 }
 """Every computation that divides, and the module whose `begin` begins it."""
 

@@ -4,9 +4,9 @@ import contextlib
 import dataclasses
 from collections.abc import Callable, Iterator, Sequence
 
-from experiments.work.executors.executor import Executor
-from experiments.work.job import Job
-from experiments.work.store.store import Distrusted, Store
+from experiments.runtime.executors.executor import Executor
+from experiments.runtime.job import Job
+from experiments.runtime.store.store import Distrusted, Store
 from scdpr_jax.numerics.progress import SILENT, Progress
 
 

@@ -4,9 +4,9 @@ import contextlib
 import pathlib
 from collections.abc import Iterator
 
-from experiments.work.executors.executor import Executor
-from experiments.work.executors.here import ThisProcess
-from experiments.work.executors.processes import Processes
+from experiments.runtime.executors.executor import Executor
+from experiments.runtime.executors.here import ThisProcess
+from experiments.runtime.executors.processes import Processes
 
 CERTIFICATES = ("ca.pem", "cert.pem", "key.pem")
 """Files of `--certificates`: who signs, the own certificate, its key."""
@@ -81,7 +81,7 @@ def chosen(
     from distributed import Client, LocalCluster
     from distributed.security import Security
 
-    from experiments.work.executors.cluster import Cluster
+    from experiments.runtime.executors.cluster import Cluster
 
     number = _number(cluster)
     with contextlib.ExitStack() as stack:

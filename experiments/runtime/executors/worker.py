@@ -3,8 +3,8 @@
 import functools
 
 from experiments.runtime import set_up
-from experiments.work.computation import compute
-from experiments.work.installation import Installation, installation
+from experiments.runtime.computation import compute
+from experiments.runtime.installation import Installation, installation
 
 
 @functools.cache
@@ -26,7 +26,7 @@ def installed() -> dict[str, str]:
 def outcome(
     computation: str, shared: bytes, number: int, payload: bytes, expected: Installation
 ) -> bytes:
-    """A unit's outcome in a worker of a cluster, see `experiments.work.computation.compute`.
+    """A unit's outcome in a worker of a cluster, see `experiments.runtime.computation.compute`.
 
     Args:
         computation: Name of the computation.

@@ -6,7 +6,7 @@ import pathlib
 from collections.abc import Mapping
 from typing import Any
 
-from experiments.work.job import Job
+from experiments.runtime.job import Job
 from scdpr_jax.numerics.files import write_whole
 
 MANIFEST = "manifest.json"

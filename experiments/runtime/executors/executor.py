@@ -3,9 +3,9 @@
 import abc
 from collections.abc import Iterable, Iterator
 
-from experiments.work.computation import Outcome
-from experiments.work.installation import Installation
-from experiments.work.job import Job
+from experiments.runtime.computation import Outcome
+from experiments.runtime.installation import Installation
+from experiments.runtime.job import Job
 
 ATTEMPTS = 8
 """How often a unit may bring down who computes it; others may be to blame for some of them."""

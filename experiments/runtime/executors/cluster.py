@@ -15,11 +15,11 @@ from distributed import Client, Future, KilledWorker
 from distributed.client import FutureCancelledError
 from distributed.comm import CommClosedError
 
-from experiments.work.computation import Outcome
-from experiments.work.executors import worker
-from experiments.work.executors.executor import ATTEMPTS, Executor, fallen
-from experiments.work.installation import Installation, different, installation
-from experiments.work.job import Job
+from experiments.runtime.computation import Outcome
+from experiments.runtime.executors import worker
+from experiments.runtime.executors.executor import ATTEMPTS, Executor, fallen
+from experiments.runtime.installation import Installation, different, installation
+from experiments.runtime.job import Job
 
 PATIENCE = 120.0
 """How long a cluster may be away, or without a worker [s]: a service is begun anew by then."""

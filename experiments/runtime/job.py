@@ -5,8 +5,8 @@ import functools
 import hashlib
 from collections.abc import Callable
 
-from experiments.work.installation import Installation
-from experiments.work.parcel import Parcel, packed
+from experiments.runtime.installation import Installation
+from experiments.runtime.parcel import Parcel, packed
 
 
 def nothing(number: int) -> bytes:
@@ -26,7 +26,7 @@ class Job:
     """Independent units of one computation, numbered from 0."""
 
     computation: str
-    """Its name in `experiments.work.computation.COMPUTATIONS`."""
+    """Its name in `experiments.runtime.computation.COMPUTATIONS`."""
     context: Parcel
     """What all its units share."""
     count: int

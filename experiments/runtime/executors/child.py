@@ -1,6 +1,6 @@
 """What a process of `Processes` runs: units from its standard input to its standard output.
 
-Run as `python -P -m experiments.work.executors.child`. It ends as soon as its input does, in
+Run as `python -P -m experiments.runtime.executors.child`. It ends as soon as its input does, in
 the middle of a unit as well: a parent that is killed leaves nobody behind.
 """
 
@@ -11,10 +11,10 @@ import sys
 import threading
 from typing import IO
 
-from experiments.work.computation import compute
-from experiments.work.executors.pipe import received, send
-from experiments.work.executors.worker import ready
-from experiments.work.parcel import unpacked
+from experiments.runtime.computation import compute
+from experiments.runtime.executors.pipe import received, send
+from experiments.runtime.executors.worker import ready
+from experiments.runtime.parcel import unpacked
 
 
 def main() -> None:

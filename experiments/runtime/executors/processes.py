@@ -16,14 +16,14 @@ from typing import IO
 
 import numpy as np
 
-from experiments.work.computation import Outcome
-from experiments.work.executors.executor import ATTEMPTS, Executor, fallen
-from experiments.work.executors.pipe import received, send
-from experiments.work.installation import Installation, installation
-from experiments.work.job import Job
-from experiments.work.parcel import Parcel, packed
+from experiments.runtime.computation import Outcome
+from experiments.runtime.executors.executor import ATTEMPTS, Executor, fallen
+from experiments.runtime.executors.pipe import received, send
+from experiments.runtime.installation import Installation, installation
+from experiments.runtime.job import Job
+from experiments.runtime.parcel import Parcel, packed
 
-_COMMAND = (sys.executable, "-P", "-m", "experiments.work.executors.child")
+_COMMAND = (sys.executable, "-P", "-m", "experiments.runtime.executors.child")
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 """Sums that threads share out come out otherwise on another number of cores."""
 
