@@ -10,6 +10,8 @@ from experiments.runtime.executors.processes import Processes
 
 CERTIFICATES = ("ca.pem", "cert.pem", "key.pem")
 """Files of `--certificates`: who signs, the own certificate, its key."""
+ANSWERS_WITHIN = 15.0
+"""How long a scheduler may take to answer [s]."""
 
 
 def require_cluster(
@@ -99,7 +101,9 @@ def chosen(
             address = local.scheduler_address
         else:
             address, security = cluster, _security(certificates)
-        executor = Cluster(lambda: Client(address, security=security), cluster)
+        executor = Cluster(
+            lambda: Client(address, security=security, timeout=ANSWERS_WITHIN), cluster
+        )
         stack.callback(executor.close)
         yield executor
 
