@@ -1,6 +1,7 @@
 """The executor that a call asks for: `--cores` and `--cluster`."""
 
 import contextlib
+import logging
 import pathlib
 from collections.abc import Iterator
 
@@ -87,6 +88,7 @@ def chosen(
 
     number = _number(cluster)
     with contextlib.ExitStack() as stack:
+        stack.enter_context(_quiet())
         if number:
             # With certificates of its own: other users of this machine are kept out.
             security = Security.temporary()
@@ -106,6 +108,21 @@ def chosen(
         )
         stack.callback(executor.close)
         yield executor
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Nothing of what dask says of itself: what is lost is asked for anew, or is an error."""
+    names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    loggers = [logging.getLogger(name) for name in names]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 def _security(certificates: pathlib.Path | None) -> "Security | None":  # noqa: F821

@@ -70,13 +70,7 @@ class Cluster(Executor):
 
     @property
     def installation(self) -> Installation:
-        try:
-            self._client.wait_for_workers(1, timeout=PATIENCE)
-            workers: dict[str, Installation] = self._client.run(worker.installed)
-        except _LOST as error:
-            raise self._unreachable(f"no worker there: {error}") from None
-        except ImportError as error:
-            raise self._cannot(error) from None
+        workers = self._installations()
         first = next(iter(workers.values()))
         own = {name: first[name] for name in WORKERS_OWN}
         expected = {**installation(), **own}
@@ -121,6 +115,33 @@ class Cluster(Executor):
             del asked[number]
             yield number, outcome
 
+    def _installations(self) -> dict[str, Installation]:
+        """Every worker's installation, by its address."""
+        deadline = time.monotonic() + PATIENCE
+        while True:
+            try:
+                self._client.wait_for_workers(1, timeout=PATIENCE)
+                return self._client.run(worker.installed)
+            except _LOST as error:
+                if time.monotonic() > deadline:
+                    raise self._unreachable(f"no worker there: {error}") from None
+                self._connect_anew(deadline)
+            except ImportError as error:
+                raise self._cannot(error) from None
+
+    def _connect_anew(self, deadline: float) -> None:
+        """A new client, as soon as there is a scheduler with a worker."""
+        self.close()
+        while True:
+            try:
+                self._client = self._connect()
+                self._client.wait_for_workers(1, timeout=max(deadline - time.monotonic(), 0.1))
+                return
+            except _LOST as error:
+                if time.monotonic() > deadline:
+                    raise self._unreachable(str(error)) from None
+                time.sleep(0.5)
+
     def _is_there(self) -> bool:
         """Whether the scheduler is, and has a worker."""
         return self._client.status == "running" and bool(self._threads())
@@ -138,17 +159,7 @@ class Cluster(Executor):
         ended: "queue.SimpleQueue[tuple[int, Future]]",
     ) -> None:
         """Ask a cluster that has been away for all that it was asked for."""
-        self.close()
-        deadline = time.monotonic() + PATIENCE
-        while True:
-            try:
-                self._client = self._connect()
-                self._client.wait_for_workers(1, timeout=deadline - time.monotonic())
-                break
-            except _LOST as error:
-                if time.monotonic() > deadline:
-                    raise self._unreachable(str(error)) from None
-                time.sleep(0.5)
+        self._connect_anew(time.monotonic() + PATIENCE)
         for unit in asked:
             self._ask(job, unit, ended)
 
