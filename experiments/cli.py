@@ -1,10 +1,11 @@
 """The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
 
 import gc
+import io
 import os
 import sys
 
-from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT, STOPPED
+from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT, STOPPED, UNHEARD
 
 VERBS: dict[str, dict[str, str]] = {
     "main": {
@@ -43,9 +44,27 @@ def main(arguments: list[str] | None = None) -> int:
         arguments: What follows the command's name; default: the process's arguments.
 
     Returns:
-        0 done, 1 fell short, 2 bad input, 130 stopped.
+        0 done, 1 fell short, 2 bad input, 130 stopped, 143 terminated.
     """
-    arguments = sys.argv[1:] if arguments is None else arguments
+    if arguments is not None:
+        return _run(arguments)
+    # The process is this command's alone.
+    from experiments.verbs.ending import end_on_signals, leave
+
+    end_on_signals(next(iter(sys.argv[1:]), ""))
+    for stream in (sys.stdout, sys.stderr):
+        # A name that the terminal's encoding hasn't is written out, as in `ls`.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        status = _run(sys.argv[1:])
+    except SystemExit as end:
+        status = end.code if isinstance(end.code, int) else DONE
+    return leave(status)
+
+
+def _run(arguments: list[str]) -> int:
+    """Run a verb, and say what was wrong."""
     if not arguments or arguments[0] in ("-h", "--help"):
         print(_help())
         return DONE if arguments else BAD_INPUT
@@ -78,21 +97,40 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         return tyro.cli(chosen, args=rest, prog=f"scdpr {verb}")
     except ValueError as error:
-        print(f"scdpr {verb}: {error}", file=sys.stderr)
-        return BAD_INPUT
+        return _told(verb, error, BAD_INPUT)
+    except BrokenPipeError:
+        # Nobody reads on: `scdpr check … | head`.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return UNHEARD
     except OSError as error:
-        print(
-            f"scdpr {verb}: {error.filename or 'a file'}: can't be used, got "
-            f"{error.strerror}. Give a place that can be read and written.",
-            file=sys.stderr,
-        )
-        return BAD_INPUT
+        return _told(verb, _unusable(error), BAD_INPUT)
     except FloatingPointError as error:
-        print(f"scdpr {verb}: {error}", file=sys.stderr)
-        return FELL_SHORT
+        return _told(verb, error, FELL_SHORT)
+    except MemoryError:
+        return _told(verb, "the memory isn't enough. Give it less at once.", FELL_SHORT)
     except KeyboardInterrupt:
-        print(f"scdpr {verb}: stopped. No file is half written.", file=sys.stderr)
-        return STOPPED
+        return _told(verb, "stopped. No file is half written.", STOPPED)
+
+
+def _told(verb: str, what: object, status: int) -> int:
+    """The status, once it is said why."""
+    from scdpr_jax.numerics.files.harmless import message
+
+    print(message(f"scdpr {verb}: {what}"), file=sys.stderr)
+    return status
+
+
+def _unusable(error: OSError) -> str:
+    """Why a file or a folder can't be used, and what to do."""
+    import errno
+
+    remedy = "Give a place that can be read and written."
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        remedy = "Make room there, or name a place on another disk."
+    elif error.errno == errno.ENOENT:
+        remedy = "Check its name."
+    where, reason = error.filename or "a file", error.strerror or str(error)
+    return f"{where}: can't be used, got {reason}. {remedy}"
 
 
 def _prepare_process() -> None:
@@ -119,7 +157,7 @@ def _help() -> str:
             *rows,
             "",
             "`scdpr VERB --help` tells a verb's arguments.",
-            "Exit status: 0 done, 1 fell short, 2 bad input, 130 stopped.",
+            "Exit status: 0 done, 1 fell short, 2 bad input, 130 stopped, 143 terminated.",
         ]
     )
 

@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from experiments.page.table import Table as PlainTable
+from scdpr_jax.numerics.files.harmless import printable
 
 
 def print_table(
@@ -34,9 +35,9 @@ def _rich_table(plain_table: PlainTable, styles: Mapping[str, str]) -> Table:
     for index, name in enumerate(plain_table.header):
         side = "left" if index in plain_table.words else "right"
         # A word that is too long for its column goes on below: nothing is cut.
-        table.add_column(Text(name), justify=side, overflow="fold")
+        table.add_column(Text(printable(name)), justify=side, overflow="fold")
     for row in plain_table.rows:
-        table.add_row(*(Text(cell, style=styles.get(cell, "")) for cell in row))
+        table.add_row(*(Text(printable(cell), style=styles.get(cell, "")) for cell in row))
     return table
 
 
@@ -48,4 +49,4 @@ def print_lines(console: Console, lines: Sequence[str]) -> None:
         lines: The sentences.
     """
     for line in lines:
-        console.print(Text(f"- {line}"), soft_wrap=False)
+        console.print(Text(f"- {printable(line)}"), soft_wrap=False)

@@ -9,13 +9,13 @@ import contextlib
 import gc
 import multiprocessing
 import os
-import signal
 from collections.abc import Callable, Iterator
 
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from experiments.page.inline_svg import inline_svg
+from scdpr_jax.numerics.processes import deaf_to_interrupts, end_with_pool
 
 Draw = Callable[[Figure, str, str], "Drawn"]
 """From a figure, its name and its description to the picture."""
@@ -75,8 +75,9 @@ def drawing_aside(processes: int = os.cpu_count() or 1) -> Iterator[Draw]:
         return Drawn(pool.submit(inline_svg, figure, name=name, description=description))
 
     try:
-        for _ in range(processes):
-            pool.submit(int)  # Nothing, but a process begins for it.
+        with deaf_to_interrupts():
+            for _ in range(processes):
+                pool.submit(int)  # Nothing, but a process begins for it.
         yield aside
     finally:
         pool.shutdown(cancel_futures=True)
@@ -84,5 +85,5 @@ def drawing_aside(processes: int = os.cpu_count() or 1) -> Iterator[Draw]:
 
 def _begin(*threshold: int) -> None:
     """A process that looks for cycles as the one does that began it, and is ended by it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_pool()
     gc.set_threshold(*threshold)

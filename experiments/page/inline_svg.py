@@ -8,6 +8,8 @@ import matplotlib
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
+from scdpr_jax.numerics.files.harmless import printable
+
 _OUTER = re.compile(r"^.*?(?=<svg)", re.DOTALL)
 _METADATA = re.compile(r"<metadata>.*?</metadata>", re.DOTALL)
 _NAMESPACE = re.compile(r'\s+xmlns(?::\w+)?="[^"]*"')
@@ -52,7 +54,7 @@ def inline_svg(figure: Figure, *, name: str, description: str) -> str:
     text = _REFERENCE.sub(f'href="#{name}-', text)
     text = text.replace("url(#", f"url(#{name}-")
     text = _shortened(text)
-    spoken = html.escape(description, quote=True)
+    spoken = html.escape(printable(description), quote=True)
     return text.replace("<svg", f'<svg role="img" aria-label="{spoken}"', 1)
 
 

@@ -1,17 +1,23 @@
 """Filling in the reports' templates: everything from data is escaped."""
 
+import base64
 import functools
+import hashlib
 import importlib.metadata
 import platform
+import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jinja2
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from experiments.page.drawing import Draw, Drawn, draw
 from experiments.page.number_text import split_at_point
+from scdpr_jax.numerics.files.harmless import printable
 
+_SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
 _PACKAGES = ("scdpr-jax", "jax", "jaxlib", "equinox", "numpy", "scipy", "matplotlib")
 
 
@@ -78,12 +84,44 @@ def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("experiments.page", "templates"),
         autoescape=True,
+        finalize=_harmless,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
     )
     environment.filters["whole"] = lambda text: split_at_point(text)[0]
     environment.filters["part"] = lambda text: split_at_point(text)[1]
+    environment.globals["policy"] = _policy(environment)
     return environment
+
+
+def _harmless(value: Any) -> Any:
+    """A text without what isn't to be seen: marks that turn writing round, a bell."""
+    plain = isinstance(value, str) and not isinstance(value, Markup)
+    return "\n".join(map(printable, value.split("\n"))) if plain else value
+
+
+def _policy(environment: jinja2.Environment) -> str:
+    """What a browser may load and run of a page: its own styles, and the templates' scripts.
+
+    Should a text from a log ever get through as markup, it can ask for nothing and run nothing.
+    """
+    sources = (
+        environment.loader.get_source(environment, name)[0]
+        for name in environment.list_templates()
+    )
+    scripts = [own for source in sources for own in _SCRIPT.findall(source)]
+    digests = [hashlib.sha256(own.encode()).digest() for own in scripts]
+    hashes = [f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests]
+    return "; ".join(
+        (
+            "default-src 'none'",
+            "img-src data:",
+            "style-src 'unsafe-inline'",
+            f"script-src {' '.join(hashes) or repr('none')}",
+            "base-uri 'none'",
+            "form-action 'none'",
+        )
+    )
 
 
 def versions() -> tuple[tuple[str, str], ...]:

@@ -16,7 +16,8 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bar
 
-from scdpr_jax.numerics.private_folder import private_folder
+from scdpr_jax.numerics.files.harmless import printable
+from scdpr_jax.numerics.files.private_folder import private_folder
 from scdpr_jax.numerics.progress import Progress
 
 
@@ -63,7 +64,7 @@ def shown_progress(console: Console) -> Iterator[Progress]:
         What computations tell what they are doing.
     """
     with Bar(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=24),
         TaskProgressColumn(),
         TimeElapsedColumn(),
@@ -74,5 +75,5 @@ def shown_progress(console: Console) -> Iterator[Progress]:
     ) as bar:
         task = bar.add_task("starting", total=1.0)
         yield Progress(
-            lambda doing, share: bar.update(task, description=doing, completed=share)
+            lambda doing, share: bar.update(task, description=printable(doing), completed=share)
         )

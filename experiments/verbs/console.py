@@ -4,7 +4,10 @@ import pathlib
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
-from rich.console import Console
+from rich.console import Console, ConsoleRenderable, RenderHook
+from rich.text import Text
+
+from scdpr_jax.numerics.files.harmless import printable
 
 if TYPE_CHECKING:
     from experiments.runtime.store.store import Distrusted
@@ -12,11 +15,36 @@ if TYPE_CHECKING:
 Folder = Annotated[pathlib.Path, tyro.conf.Positional]
 """A path that is given without a flag."""
 
+
+class _Harmless(RenderHook):
+    """What comes from a file can't move the cursor: a mark that would is shown as unknown."""
+
+    def process_renderables(self, renderables: list[ConsoleRenderable]) -> list:
+        """The texts without such marks.
+
+        Args:
+            renderables: What is to be shown.
+
+        Returns:
+            The same, where there are none.
+        """
+        return [_still(each) if isinstance(each, Text) else each for each in renderables]
+
+
+def _still(text: Text) -> Text:
+    kept = [mark if mark in "\n\t" or printable(mark) == mark else "�" for mark in text.plain]
+    text.plain = "".join(kept)
+    return text
+
+
 OUT = Console(highlight=False, width=max(140, Console().width))
 """Wide enough for the tables: a narrow terminal wraps them, and nothing is cut."""
 
 ERRORS = Console(stderr=True, highlight=False)
 """Progress and complaints."""
+
+for _console in (OUT, ERRORS):
+    _console.push_render_hook(_Harmless())
 
 
 def wrote(*paths: pathlib.Path) -> None:

@@ -24,6 +24,52 @@ def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
         )
 
 
+def try_out(*files: pathlib.Path) -> None:
+    """Try whether results can be written, before anything is computed.
+
+    Args:
+        files: Files that will be written; their folders are made as they will be.
+
+    Raises:
+        ValueError: If one of them can't be: a folder is in its place, a file in its folder's,
+            its folder is closed, or its disk full.
+    """
+    from scdpr_jax.numerics.files.scratch import scratch_file
+
+    for file in files:
+        if file.is_dir():
+            raise ValueError(
+                f"`--out`: {file} is a folder, expected a file, or a name for one. Name a file."
+            )
+        made = _missing(file.parent)
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            with scratch_file(file) as scratch:
+                scratch.write_bytes(bytes(_ROOM))
+        except OSError as error:
+            raise ValueError(
+                f"`--out`: {file} can't be written, got {error.strerror}, expected a folder "
+                "that can be, and room on its disk. Name another one, or make room there."
+            ) from None
+        finally:
+            for folder in made:
+                _remove_empty(folder)
+
+
+_ROOM = 2**16
+"""Bytes that are written to see whether a disk is full."""
+
+
+def _missing(folder: pathlib.Path) -> list[pathlib.Path]:
+    """Folders that will have to be made, the innermost first."""
+    return [each for each in (folder, *folder.parents) if not each.exists()]
+
+
+def _remove_empty(folder: pathlib.Path) -> None:
+    if folder.is_dir() and not any(folder.iterdir()):
+        folder.rmdir()
+
+
 def parse_position(text: str, *, name: str, robot: "Robot") -> tuple[float, float]:
     """A position of the end-effector inside the frame.
 

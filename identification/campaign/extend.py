@@ -1,13 +1,14 @@
 """Runs put into a campaign's folder: all of them, or none."""
 
 import dataclasses
-import tempfile
 from pathlib import Path
 
 from identification.campaign.faults import CampaignError
 from identification.campaign.read import CAMPAIGN_FILE, read_rig, survey
 from identification.campaign.types import Campaign
 from identification.campaign.write import check_name, write_campaign, write_runs
+from scdpr_jax.numerics.files.given import DOCUMENT, read_given
+from scdpr_jax.numerics.files.scratch import TOGETHER, scratch_folder
 
 
 def add_runs(campaign: Campaign, path: str | Path) -> None:
@@ -37,15 +38,16 @@ def add_runs(campaign: Campaign, path: str | Path) -> None:
                 f"campaign {target}: there is a run {run.name!r} already, expected none of "
                 "that name. Rename it in the mapping; nothing is overwritten."
             )
-    with tempfile.TemporaryDirectory(prefix=".import-", dir=target) as scratch:
-        draft = Path(scratch) / "draft"
+    with scratch_folder(beside=target) as scratch:
+        draft = scratch / "draft"
         draft.mkdir()
-        (draft / CAMPAIGN_FILE).write_bytes((target / CAMPAIGN_FILE).read_bytes())
+        (draft / CAMPAIGN_FILE).write_bytes(read_given(target / CAMPAIGN_FILE, most=DOCUMENT))
         write_runs(campaign, draft)
         faults = survey(draft).all_faults
         if faults:
             raise CampaignError(target, faults)
-        _move_all([draft / run.name for run in campaign.runs], target)
+        with TOGETHER:
+            _move_all([draft / run.name for run in campaign.runs], target)
 
 
 def _move_all(folders: list[Path], target: Path) -> None:

@@ -2,10 +2,17 @@
 
 import dataclasses
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+
+from scdpr_jax.numerics.files.given import FileError
+from scdpr_jax.numerics.files.harmless import LINES, printable, shortened
 
 _LISTED = 10
 """Faults of one file that are listed; a column that is wrong throughout has thousands."""
+_TOLD = LINES - 2
+"""Faults of one message, between its first line and the one that counts the rest."""
+_NAME = 80
+"""Characters of a column's or a key's name in a message."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -37,18 +44,37 @@ class Fault:
         if self.row is not None:
             parts.append(f"row {self.row}")
         if self.column:
-            parts.append(f"column '{self.column}'")
+            parts.append(f"column '{shortened(self.column, _NAME)}'")
         if self.key:
-            parts.append(f"key '{self.key}'")
+            parts.append(f"key '{shortened(self.key, _NAME)}'")
         return ", ".join(parts)
 
     def __str__(self) -> str:
         parts = [self.what]
         if self.got:
-            parts.append(f"got {self.got}")
+            parts.append(f"got {shortened(self.got)}")
         if self.expected:
             parts.append(f"expected {self.expected}")
-        return f"{self.where}: {', '.join(parts)}. {self.remedy}"
+        return printable(f"{self.where}: {', '.join(parts)}. {self.remedy}")
+
+
+def fault_of(error: FileError, *, file: str = "") -> Fault:
+    """A file that isn't read, as a fault.
+
+    Args:
+        error: Why it isn't.
+        file: The file as the message is to name it.
+
+    Returns:
+        The fault.
+    """
+    return Fault(
+        what=error.what,
+        file=file,
+        got=error.got,
+        expected=error.expected,
+        remedy=error.remedy,
+    )
 
 
 class CampaignError(ValueError):
@@ -58,38 +84,43 @@ class CampaignError(ValueError):
         self.faults = faults
         """Every fault that was found."""
         number = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        lines = [f"{what} {path}: {number}.", *(f"  {fault}" for fault in faults)]
+        lines = [f"{what} {path}: {number}.", *(f"  {fault}" for fault in _told(faults))]
+        left = len(faults) + 1 - len(lines)
+        if left:
+            lines.append(f"  and {left} more; `scdpr check --json FILE` tells every one.")
         super().__init__("\n".join(map(printable, lines)))
 
 
-def printable(text: str) -> str:
-    """A line as a terminal may show it: what would move its cursor is written out.
+def _told(faults: Sequence[Fault]) -> Sequence[Fault]:
+    """As many faults as a message holds: of every file one, before more of the same."""
+    if len(faults) < LINES:
+        return faults
+    files: dict[str, int] = {}
+    ranks = []
+    for fault in faults:
+        files[fault.file] = rank = files.get(fault.file, 0) + 1
+        ranks.append(rank)
+    chosen = sorted(range(len(faults)), key=lambda place: (ranks[place], place))[:_TOLD]
+    return [faults[place] for place in sorted(chosen)]
 
-    Args:
-        text: The line, with names from wherever.
 
-    Returns:
-        The same without control characters and lone surrogates.
-    """
-    return "".join(
-        mark if mark.isprintable() else mark.encode("unicode_escape").decode() for mark in text
-    )
-
-
-def listed(faults: Iterable[Fault], *, file: str) -> tuple[Fault, ...]:
+def listed(
+    faults: Iterable[Fault], *, file: str, count: int | None = None
+) -> tuple[Fault, ...]:
     """The first faults of a file, and one that counts the rest.
 
     Args:
-        faults: The file's faults in the order of its rows; read to the end.
+        faults: The file's faults in the order of its rows.
         file: The file, relative to the campaign's folder.
+        count: How many there are; counted to the end where it isn't known.
 
     Returns:
         At most ten faults, and "and N more" where there are more, all of that file.
     """
     rest = iter(faults)
     first = [dataclasses.replace(fault, file=file) for fault in itertools.islice(rest, _LISTED)]
-    more = sum(1 for _ in rest)
-    if more:
+    more = sum(1 for _ in rest) if count is None else count - len(first)
+    if more > 0:
         remedy = "Mend those above and check again: they often have one cause."
         first.append(Fault(what=f"and {more} more in this file", file=file, remedy=remedy))
     return tuple(first)

@@ -11,6 +11,8 @@ import re
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
+from scdpr_jax.numerics.files.harmless import represented
+
 if TYPE_CHECKING:
     import pint
 
@@ -21,8 +23,11 @@ _NUMBER = re.compile(
 )
 # A product of powers of unit symbols. What pint's own, wider grammar takes beyond it
 # (sums, numbers, brackets) is no unit, and not all of it fails with pint's own errors.
-_POWER = r"(?:[A-Za-zµμΩÅ]+|[%°])(?:(?:\^|\*\*)[+-]?\d|⁻?[¹²³⁴⁵⁶⁷⁸⁹])?"
-_PRODUCT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[·⋅*/]\s*|\s+){_POWER})*")
+# Both are bounded: what people write is short, and pint takes seconds for what is long.
+_POWER = r"(?:[A-Za-zµμΩÅ]{1,24}|[%°])(?:(?:\^|\*\*)[+-]?\d|⁻?[¹²³⁴⁵⁶⁷⁸⁹])?"
+_PRODUCT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[·⋅*/]\s*|\s+){_POWER}){{0,5}}")
+_LONGEST = 80
+"""Characters of a quantity."""
 
 
 EVERYDAY: dict[tuple[str, str], Decimal] = {
@@ -72,6 +77,8 @@ def parse_quantity(text: str, *, unit: str, name: str = "quantity") -> float:
         QuantityError: If the text is no number with a unit, isn't finite, or has a unit of
             another dimension; a `ValueError`.
     """
+    if len(text) > _LONGEST:
+        raise _fault(f"a text of {len(text)} characters, no quantity", text, unit, name)
     match = _NUMBER.fullmatch(text)
     if match is None:
         raise _fault("not a quantity", text, unit, name)
@@ -123,7 +130,7 @@ def _fault(
     return QuantityError(
         problem,
         name=name,
-        got=repr(text),
+        got=represented(text),
         expected=expected,
         remedy=f'Write it like "{whole}"; a product of units has a space or a dot: "N m".',
     )
@@ -147,7 +154,7 @@ def _registry() -> "pint.UnitRegistry":
     return registry
 
 
-@functools.cache
+@functools.lru_cache(4096)
 def _conversion(written: str, unit: str) -> Decimal | None:
     """Factor from a written unit to another one, None if there is none."""
     if written == unit:

@@ -4,9 +4,12 @@ import dataclasses
 from pathlib import Path
 
 from identification.campaign.faults import CampaignError, Fault
+from identification.campaign.inside import foreign, linked
 from identification.campaign.quantities import format_quantity
 from identification.campaign.schema import CampaignDocument, RunDocument, read_model
 from identification.campaign.streams import (
+    ACCELEROMETER_FILE,
+    CAMERA_FILE,
     DRIVE_FILE,
     read_accelerometer,
     read_camera,
@@ -22,11 +25,13 @@ from identification.campaign.types import (
     Run,
     default_sensors,
 )
+from scdpr_jax.numerics.files.given import DOCUMENT
 
 CAMPAIGN_FILE = "campaign.toml"
 """Name of the file about the rig."""
 RUN_FILE = "run.toml"
 """Name of the file about a run."""
+_FILES = (RUN_FILE, DRIVE_FILE, CAMERA_FILE, ACCELEROMETER_FILE)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -92,13 +97,15 @@ def survey(path: str | Path) -> Reading:
         The campaign as far as it is good, and all faults.
     """
     folder = Path(path)
-    if not folder.is_dir():
+    try:
+        folders = _run_folders(folder)
+    except OSError:
         return Reading((_no_folder(folder),), None, ())
-    document, faults = read_model(folder / CAMPAIGN_FILE, CampaignDocument, file=CAMPAIGN_FILE)
+    document, faults = _rig_document(folder)
     # Counts are the campaign's to state. Where its file is at fault, any number lets the
     # runs be checked for other faults without blaming them for this one.
     counts = 1.0 if document is None else document.counts_per_rev
-    runs = tuple(_read_run(each, counts_per_rev=counts) for each in _run_folders(folder))
+    runs = tuple(_read_run(each, counts_per_rev=counts) for each in folders)
     if not runs:
         faults = (*faults, _no_runs(folder))
     good = tuple(reading.run for reading in runs if reading.run is not None)
@@ -107,12 +114,24 @@ def survey(path: str | Path) -> Reading:
 
 
 def _run_folders(folder: Path) -> list[Path]:
+    """Folders of runs; a link that leads nowhere was one."""
     return sorted(
-        each for each in folder.iterdir() if each.is_dir() and not each.name.startswith(".")
+        each
+        for each in folder.iterdir()
+        if not each.name.startswith(".")
+        and (each.is_dir() or (each.is_symlink() and not each.exists()))
     )
 
 
 def _no_folder(folder: Path) -> Fault:
+    if folder.is_dir():
+        return Fault(
+            what="the campaign can't be read",
+            file=str(folder),
+            got="a folder that can't be opened",
+            expected="a folder that can",
+            remedy="Check its permissions.",
+        )
     there = folder.exists()
     return Fault(
         what="the campaign isn't a folder" if there else "the campaign doesn't exist",
@@ -142,8 +161,17 @@ def read_rig(folder: Path) -> tuple[Campaign | None, tuple[Fault, ...]]:
     Returns:
         The campaign without runs, None if `campaign.toml` is at fault; and the faults.
     """
-    document, faults = read_model(folder / CAMPAIGN_FILE, CampaignDocument, file=CAMPAIGN_FILE)
+    document, faults = _rig_document(folder)
     return (None if document is None else campaign_of(document, folder, ())), faults
+
+
+def _rig_document(folder: Path) -> tuple[CampaignDocument | None, tuple[Fault, ...]]:
+    """What stands in a folder's `campaign.toml`."""
+    path = folder / CAMPAIGN_FILE
+    faults = tuple(linked(path, folder, CAMPAIGN_FILE))
+    if faults:
+        return None, faults
+    return read_model(path, CampaignDocument, file=CAMPAIGN_FILE)
 
 
 def campaign_of(document: CampaignDocument, folder: Path, runs: tuple[Run, ...]) -> Campaign:
@@ -168,6 +196,9 @@ def campaign_of(document: CampaignDocument, folder: Path, runs: tuple[Run, ...])
 
 
 def _read_run(folder: Path, *, counts_per_rev: float | None) -> RunReading:
+    links = tuple(foreign(folder, _FILES))
+    if links:
+        return RunReading(folder.name, None, links)
     document, faults = read_model(
         folder / RUN_FILE, RunDocument, file=f"{folder.name}/{RUN_FILE}"
     )
@@ -222,5 +253,5 @@ def _knock_faults(
         )
     else:
         return ()
-    text, _ = read_text(folder / RUN_FILE)
+    text, _ = read_text(folder / RUN_FILE, most=DOCUMENT)
     return (dataclasses.replace(fault, row=row_of(text, fault.key.split("."))),)

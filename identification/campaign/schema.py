@@ -21,6 +21,7 @@ from identification.campaign.faults import Fault, listed
 from identification.campaign.quantities import QuantityError, parse_quantity
 from identification.campaign.tables.document import read_document, row_of
 from identification.campaign.types import KINDS
+from scdpr_jax.numerics.files.harmless import represented
 from scdpr_jax.robot.stated.names import QUANTITIES
 
 _Model = TypeVar("_Model", bound=BaseModel)
@@ -50,7 +51,7 @@ def _misfit(problem: str, got: object, unit: str, example: str) -> QuantityError
     return QuantityError(
         problem,
         name="quantity",
-        got=_shown(got),
+        got=represented(got),
         expected=f"a quantity {bound} [{unit}] in quotation marks".replace("  ", " "),
         remedy=f'Write it like "{written}".',
     )
@@ -58,17 +59,8 @@ def _misfit(problem: str, got: object, unit: str, example: str) -> QuantityError
 
 def _example_number(value: object) -> str:
     """A number without a unit as it was written, or any number for something else."""
-    text = _shown(value)
+    text = represented(value)
     return text if type(value) in (int, float) and len(text) <= 20 else "0.5"
-
-
-def _shown(value: object) -> str:
-    """A value of a TOML document, short enough for a message."""
-    try:
-        text = repr(value)
-    except ValueError:  # Python refuses to print integers of thousands of digits
-        return "a number too long to print"
-    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 def _offset(value: object) -> float | None:
@@ -181,7 +173,8 @@ def read_model(
     try:
         return model.model_validate(document), ()
     except ValidationError as error:
-        return None, listed(_faults(error, model, text), file=file)
+        faults = _faults(error, model, text)
+        return None, listed(faults, file=file, count=error.error_count())
 
 
 def _faults(error: ValidationError, model: type[BaseModel], text: str) -> Iterator[Fault]:
@@ -205,7 +198,7 @@ def _explained(problem: Any, model: type[BaseModel], path: list[str]) -> Fault:
         return Fault(
             what=cause.problem, got=cause.got, expected=cause.expected, remedy=cause.remedy
         )
-    got = _shown(problem["input"])
+    got = represented(problem["input"])
     if problem["type"] == "literal_error":
         near = difflib.get_close_matches(got, KINDS, n=1)
         remedy = f'Is it "{near[0]}"?' if near else '"free" takes what fits no other kind.'
@@ -226,14 +219,14 @@ def _unknown_key(
     model: type[BaseModel], table: type[BaseModel], name: str, *, got: object
 ) -> Fault:
     """The fault of a key that its table doesn't have: it belongs elsewhere, or is misspelt."""
-    near = difflib.get_close_matches(name, table.model_fields, n=1, cutoff=0.0)
+    near = difflib.get_close_matches(name[:80], table.model_fields, n=1, cutoff=0.0)
     remedy = f'The nearest known key is "{near[0]}"; delete the line if that isn\'t meant.'
     homes = [key for key, other in _tables(model).items() if name in other.model_fields]
     if homes and not isinstance(got, dict):
         place = f"below the heading [{homes[0]}]" if homes[0] else "above the first [table]"
         remedy = f"It belongs {place}."
     keys = f"one of {', '.join(table.model_fields)}"
-    return Fault(what="an unknown key", got=repr(name), expected=keys, remedy=remedy)
+    return Fault(what="an unknown key", got=represented(name), expected=keys, remedy=remedy)
 
 
 def _tables(model: type[BaseModel]) -> dict[str, type[BaseModel]]:

@@ -1,5 +1,6 @@
 """The two streams of a run, from their tables."""
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -60,7 +61,7 @@ def read_camera(folder: Path) -> tuple[CameraStream | None, tuple[Fault, ...]]:
         The stream, None if there is no such file or there are faults; and the faults.
     """
     path = folder / CAMERA_FILE
-    if not path.exists():
+    if not os.path.lexists(path):
         return None, ()
     table, faults = read_table(
         path, CAMERA, file=f"{folder.name}/{CAMERA_FILE}", may_be_empty=True
@@ -83,7 +84,7 @@ def read_accelerometer(
         The stream, None if there is no such file or there are faults; and the faults.
     """
     path = folder / ACCELEROMETER_FILE
-    if not path.exists():
+    if not os.path.lexists(path):
         return None, ()
     table, faults = read_table(path, ACCELEROMETER, file=f"{folder.name}/{ACCELEROMETER_FILE}")
     return (None if table is None else accelerometer_stream(table.values, table.extra)), faults

@@ -4,7 +4,6 @@ import csv
 import dataclasses
 import json
 import math
-import tempfile
 from collections.abc import Callable, Iterable
 from decimal import Decimal
 from pathlib import Path
@@ -34,6 +33,7 @@ from identification.campaign.types import (
     Sensors,
     encoder_resolution,
 )
+from scdpr_jax.numerics.files.scratch import scratch_folder
 from scdpr_jax.robot.stated.names import quantity
 
 
@@ -57,8 +57,8 @@ def write_campaign(campaign: Campaign, path: str | Path) -> None:
     for run in campaign.runs:
         check_name(run.name)
     target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{target.name}-", dir=target.parent) as scratch:
-        draft = Path(scratch) / "draft"
+    with scratch_folder(beside=target.parent) as scratch:
+        draft = scratch / "draft"
         _write_files(campaign, draft)
         faults = survey(draft).all_faults
         if faults:

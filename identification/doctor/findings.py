@@ -9,6 +9,8 @@ from typing import Any, Literal
 import numpy as np
 
 from identification.campaign.faults import Fault
+from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.files.harmless import printable
 
 Severity = Literal["fault", "contradiction", "note"]
 """How much a finding matters: it can't be read; it can't be; it is worth knowing."""
@@ -62,7 +64,7 @@ class Finding:
         text = f"{self.id}, {_few(self.runs)}: {self.what}. {self.cause} {self.remedy}"
         if self.alternatives:
             text += f" It could also be {' or '.join(self.alternatives)}."
-        return text
+        return printable(text)
 
 
 def _few(names: tuple[str, ...]) -> str:
@@ -149,10 +151,10 @@ def write_findings(findings: Iterable[Finding], path: str | Path) -> None:
 
     Args:
         findings: The findings.
-        path: The file.
+        path: The file, replaced if it exists; written whole or not at all.
     """
     text = json.dumps(findings_document(findings), indent=1, ensure_ascii=False)
-    Path(path).write_text(text + "\n", encoding="utf-8")
+    write_whole(Path(path), text + "\n")
 
 
 def _entry(finding: Finding) -> dict[str, Any]:

@@ -14,6 +14,8 @@ from identification.campaign.types import Campaign, Run
 from identification.knocks.accelerometer import accelerometer_ring_down, joined
 from identification.knocks.ring_down import RingDown, ring_down
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.files.given import read_given_rows
+from scdpr_jax.numerics.files.harmless import cell, represented, text_of_cell
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.state import X, pose
 
@@ -203,7 +205,7 @@ def write_frequencies(frequencies: FrequencyMap, path: pathlib.Path) -> None:
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(_LABELS.values())
-    writer.writerows(zip(*numbers, frequencies.runs, strict=True))
+    writer.writerows(zip(*numbers, map(cell, frequencies.runs), strict=True))
     write_whole(path, table.getvalue())
 
 
@@ -221,19 +223,12 @@ def read_frequencies(path: pathlib.Path) -> FrequencyMap:
         ValueError: If a column is missing, or a cell isn't a number of its range.
     """
     path = pathlib.Path(path)
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise ValueError(
-            f"{path}: byte {error.start} isn't UTF-8, expected a CSV text in UTF-8. Save the "
-            "table as CSV (UTF-8)."
-        ) from error
-    rows = [(i, row) for i, row in enumerate(csv.reader(lines), start=1) if any(row)]
+    rows = read_given_rows(path)
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     missing = [label for label in _LABELS.values() if header.count(label) != 1]
     if missing:
         raise ValueError(
-            f"{path}, row 1: got the columns {','.join(header)!r}, expected each of "
+            f"{path}, row 1: got the columns {represented(','.join(header))}, expected each of "
             f"{','.join(_LABELS.values())!r} once; missing or twice: {', '.join(missing)}. "
             "Names and units must be as `scdpr frequencies` writes them."
         )
@@ -246,7 +241,7 @@ def read_frequencies(path: pathlib.Path) -> FrequencyMap:
     numbers = [name for name in _LABELS if name != "run"]
     return FrequencyMap(
         **{name: np.array([getattr(knock, name) for knock in knocks]) for name in numbers},
-        runs=tuple(knock.run for knock in knocks),
+        runs=tuple(text_of_cell(knock.run) for knock in knocks),
         fft_frequency=np.full(len(knocks), np.nan),
         residuals_are_noise=np.ones(len(knocks), dtype=bool),
     )
@@ -264,6 +259,7 @@ def _row(path: pathlib.Path, line: int, header: list[str], cells: list[str]) -> 
     except pydantic.ValidationError as error:
         first = error.errors(include_url=False)[0]
         raise ValueError(
-            f"{path}, row {line}, column '{first['loc'][0]}': got {first['input']!r}; "
-            f"{first['msg'].lower()}. Mend the cell, or leave out the row."
+            f"{path}, row {line}, column '{first['loc'][0]}': got "
+            f"{represented(first['input'])}; {first['msg'].lower()}. Mend the cell, "
+            "or leave out the row."
         ) from None

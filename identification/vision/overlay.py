@@ -45,19 +45,25 @@ def write_overlay(
         pictures(folder / vision.video) as video,
         whole_file(path, named_in=path.parent) as scratch,
     ):
+        # The writer takes its format from the name.
+        named = scratch.with_suffix(".mp4")
         writer = cv2.VideoWriter(
-            str(scratch),
+            str(named),
             cv2.VideoWriter_fourcc(*"mp4v"),
             vision.time.frame_rate or video.rate or 30.0,
             (video.width, video.height),
         )
         if not writer.isOpened():
             raise ValueError(f"`--overlay`: {path} can't be written. Choose another place.")
-        for frame in video.frames:
-            draw(frame.picture, vision, tracked, frame.number)
-            writer.write(frame.picture)
-            progress("overlay", frame.number / max(video.count, 1))
-        writer.release()
+        try:
+            for frame in video.frames:
+                draw(frame.picture, vision, tracked, frame.number)
+                writer.write(frame.picture)
+                progress("overlay", frame.number / max(video.count, 1))
+            writer.release()
+            named.replace(scratch)
+        finally:
+            named.unlink(missing_ok=True)
 
 
 def draw(

@@ -2,6 +2,7 @@
 
 import dataclasses
 import glob
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -32,6 +33,7 @@ from scdpr_jax.numerics.progress import SILENT, Progress
 _LENS_SHARE = 0.05
 _LEAST_MARKS = 4
 _LEAST_MISFIT = 0.01
+_MOST_PHOTOS = 500
 
 
 @dataclasses.dataclass(frozen=True)
@@ -110,7 +112,7 @@ def lens_of(
         distortion = np.array([*told.distortion, *[0.0] * (5 - len(told.distortion))])
         return Lens(np.array(told.matrix), distortion), ()
     patterns = [told.photos] if isinstance(told.photos, str) else told.photos
-    photos = [Path(p) for each in patterns for p in sorted(glob.glob(str(folder / each)))]
+    photos = [Path(p) for each in patterns for p in _files(folder, each)]
     if not photos:
         raise ValueError(
             f"calibration: no photos, got none that are called {', '.join(patterns)} in "
@@ -123,6 +125,18 @@ def lens_of(
         size=size,
         progress=progress,
     )
+
+
+def _files(folder: Path, pattern: str) -> list[str]:
+    """Files of a pattern, as many as photos of a board can be."""
+    whole = str(folder / pattern)
+    found = list(itertools.islice(glob.iglob(whole), _MOST_PHOTOS + 1))
+    if len(found) > _MOST_PHOTOS:
+        raise ValueError(
+            f"calibration: more than {_MOST_PHOTOS} photos are called {pattern}, expected "
+            "some twenty. Correct the key `photos`."
+        )
+    return sorted(found)
 
 
 @dataclasses.dataclass(frozen=True)

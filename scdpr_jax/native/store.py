@@ -7,12 +7,12 @@ that isn't whole, or not what its name says, counts as none.
 
 import hashlib
 import pathlib
-import tempfile
 import warnings
 
 import jax
 
-from scdpr_jax.numerics.private_folder import private_folder
+from scdpr_jax.numerics.files import whole_file
+from scdpr_jax.numerics.files.private_folder import private_folder
 
 _MARK = b"scdpr-jax code 2\n"
 
@@ -71,9 +71,7 @@ def keep(name: str, code: bytes) -> None:
         return
     head = _MARK + name.encode() + b"\n" + hashlib.sha256(code).digest()
     try:
-        # A file is there whole or not at all, whoever else writes it.
-        with tempfile.NamedTemporaryFile(dir=own, delete=False) as part:
-            part.write(head + code)
-        pathlib.Path(part.name).replace(own / name)
+        with whole_file(own / name) as part:
+            part.write_bytes(head + code)
     except OSError as reason:
         _refused(reason)

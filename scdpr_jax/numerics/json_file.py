@@ -5,6 +5,9 @@ from typing import TypeVar
 
 import pydantic
 
+from scdpr_jax.numerics.files.given import RESULT, read_given
+from scdpr_jax.numerics.files.harmless import represented
+
 
 class JsonObject(pydantic.BaseModel, strict=True, allow_inf_nan=False):
     """What a JSON file, or an object in it, has to hold: base of all of them.
@@ -34,7 +37,7 @@ def read_json(path: pathlib.Path, model: type[_Model], *, expected: str, verb: s
     """
     path = pathlib.Path(path)
     try:
-        return model.model_validate_json(path.read_bytes())
+        return model.model_validate_json(read_given(path, most=RESULT))
     except OSError as error:
         raise ValueError(
             f"{path}: can't be read, got {error.strerror}, expected {expected}. Run "
@@ -44,6 +47,6 @@ def read_json(path: pathlib.Path, model: type[_Model], *, expected: str, verb: s
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"]) or "the file"
         raise ValueError(
-            f"{path}: {where} is wrong, got {str(first['input'])[:60]!r}: {first['msg']}. "
+            f"{path}: {where} is wrong, got {represented(first['input'], 60)}: {first['msg']}. "
             f"Expected what `scdpr {verb}` writes; write it anew."
         ) from None

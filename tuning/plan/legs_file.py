@@ -6,6 +6,7 @@ import math
 import pathlib
 from collections.abc import Sequence
 
+from scdpr_jax.numerics.files.given import read_given_rows
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.planning import Planned, Wanted
 
@@ -31,14 +32,13 @@ def read_legs(path: pathlib.Path, robot: Robot) -> list[Wanted]:
         ValueError: If it isn't such a table; says where.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+        rows = read_given_rows(path)
+    except OSError as error:
         raise ValueError(
-            f"{path}: can't be read ({error}), expected a table of legs with the columns "
-            f"{', '.join(COLUMNS)}."
+            f"{path}: can't be read, got {error.strerror}, expected a table of legs with the "
+            f"columns {', '.join(COLUMNS)}. Check its name."
         ) from None
-    rows = [row for row in csv.reader(text.splitlines()) if row]
-    header = tuple(cell.strip() for cell in rows[0]) if rows else ()
+    header = tuple(cell.strip() for cell in rows[0][1]) if rows else ()
     if header not in (COLUMNS, (*COLUMNS, SLOPE)):
         raise ValueError(
             f"{path}, row 1: the header is wrong, got {','.join(header)[:80]!r}, expected "
@@ -48,9 +48,7 @@ def read_legs(path: pathlib.Path, robot: Robot) -> list[Wanted]:
         raise ValueError(
             f"{path}: got {len(rows) - 1} legs, expected 1 to {MOST}. Divide longer tables."
         )
-    return [
-        _leg(path, number, row, robot, len(header)) for number, row in enumerate(rows[1:], 2)
-    ]
+    return [_leg(path, number, row, robot, len(header)) for number, row in rows[1:]]
 
 
 def _leg(path: pathlib.Path, number: int, row: list[str], robot: Robot, count: int) -> Wanted:

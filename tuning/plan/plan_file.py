@@ -7,6 +7,8 @@ import pathlib
 import numpy as np
 
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.files.given import read_given_rows
+from scdpr_jax.numerics.files.harmless import represented
 from tuning.plan.plan import Plan
 
 COLUMNS = (
@@ -69,22 +71,19 @@ def read_plan(path: pathlib.Path) -> Plan:
     """
     path = pathlib.Path(path)
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = read_given_rows(path)
     except OSError as error:
         raise ValueError(
             f"{path}: can't be read, got {error.strerror}, expected a plan.csv. Run "
             "`scdpr plan` first."
         ) from None
-    header = tuple(next(csv.reader(lines[:1]), ()))
+    header = tuple(lines[0][1]) if lines else ()
     if header not in (COLUMNS, (*COLUMNS, CAUTION_COLUMN)):
         raise ValueError(
-            f"{path}, row 1: the header is wrong, got {','.join(header)!r}, expected "
-            f"{','.join(COLUMNS)!r}. Write it anew with `scdpr plan`."
+            f"{path}, row 1: the header is wrong, got {represented(','.join(header))}, "
+            f"expected {','.join(COLUMNS)!r}. Write it anew with `scdpr plan`."
         )
-    rows = [
-        _row(path, number, line, len(header))
-        for number, line in enumerate(csv.reader(lines[1:]), 2)
-    ]
+    rows = [_row(path, number, cells, len(header)) for number, cells in lines[1:]]
     if len(rows) < 2:
         raise ValueError(
             f"{path}: got {len(rows)} rows, expected two at least. Write it anew with "

@@ -5,6 +5,8 @@ import dataclasses
 import pathlib
 import re
 
+from scdpr_jax.numerics.files.given import TABLE, read_given_text
+
 EXPECTED = "a header such as 'freq,psd_x,psd_y,psd_z,psd_xyz' and a row of numbers per bin"
 """What such a file holds, for messages."""
 _SHOWN = 60  # characters of a line in a message
@@ -42,7 +44,7 @@ def read_table(path: pathlib.Path) -> SpectrumTable:
         FileNotFoundError: If there is no such file.
         ValueError: If it isn't text in columns between commas; says what it is instead.
     """
-    lines = _text(path).splitlines()
+    lines = read_given_text(path, most=TABLE).splitlines()
     numbered = [(n, line) for n, line in enumerate(lines, start=1) if line.strip(" \t,;")]
     if not numbered:
         raise ValueError(
@@ -60,16 +62,6 @@ def read_table(path: pathlib.Path) -> SpectrumTable:
     return SpectrumTable(
         path, line, header, tuple((n, _without_empty(row, len(header))) for n, row in cells[1:])
     )
-
-
-def _text(path: pathlib.Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ValueError(
-            f"{path}: byte {error.start} isn't UTF-8, got another kind of file, expected "
-            f"{EXPECTED}. Export the spectrum as CSV (UTF-8)."
-        ) from error
 
 
 def _cells(path: pathlib.Path, number: int, line: str) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from experiments.runtime.store.record import opened, sealed
 from scdpr_jax.numerics.files import write_bytes_whole
 
 _UNIT = re.compile(r"(\d{8,})\.unit", re.ASCII)
-_SCRATCH = re.compile(r"\.[0-9a-f]{16}\.tmp(\..*)?", re.ASCII)
+_SCRATCH = re.compile(r"\.scdpr-[0-9a-f]{8}-\d+-[0-9a-f]+\.tmp", re.ASCII)
 
 
 class Distrusted(NamedTuple):

@@ -4,8 +4,8 @@ import pathlib
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from identification.campaign.faults import printable
 from identification.campaign.read import CAMPAIGN_FILE
+from scdpr_jax.numerics.files.harmless import printable
 
 TABLES = ("campaigns.csv", "campaigns.nc")
 """What the results are put together in; no campaign can be called so."""

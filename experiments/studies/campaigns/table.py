@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from experiments.studies.campaigns.unit import Answer
-from identification.campaign.faults import printable
 from scdpr_jax.numerics.files import whole_file, write_whole
+from scdpr_jax.numerics.files.harmless import cell, printable
 
 MEANINGS = {
     "campaign": "name of the campaign's folder",
@@ -116,4 +116,9 @@ def _column(name: str, table: list[Row]) -> np.ndarray:
 
 
 def _cells(row: Row) -> list[Any]:
-    return ["" if cell != cell else cell for cell in row]
+    """A row as a spreadsheet may open it."""
+    return [cell(own) if isinstance(own, str) else _number(own) for own in row]
+
+
+def _number(value: float) -> float | str:
+    return "" if math.isnan(value) else value

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from experiments.runtime.parcel import Parcel, packed, unpacked
-from experiments.runtime.scratch import scratch_folder
 from experiments.studies.campaigns.files import unpack_files
 from experiments.studies.identified import Question, identified
 from identification.campaign import read_campaign
 from identification.doctor.accepted import admission
 from identification.result.parameters_file import parameters_text
+from scdpr_jax.numerics.files.scratch import scratch_folder
 
 
 class Answer(NamedTuple):

@@ -8,6 +8,7 @@ import tyro
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import try_out
 
 
 def design(
@@ -52,6 +53,7 @@ def design(
     from scdpr_jax.numerics.files import whole_file, write_whole
     from scdpr_jax.robot.quantities import value
 
+    try_out(out, out.with_suffix(".png"))
     fitted = read_parameters(parameters)
     rig = known_rig(
         fitted,

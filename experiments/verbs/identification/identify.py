@@ -9,7 +9,7 @@ import tyro
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, suggest, tell_distrusted, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
-from experiments.verbs.places import require_outside
+from experiments.verbs.places import require_outside, try_out
 
 if TYPE_CHECKING:
     from experiments.studies.campaigns.places import Place
@@ -125,6 +125,7 @@ def _one(
     from experiments.verbs.log_doctor import examined
     from identification.campaign import read_campaign
 
+    try_out(out / "parameters.json")
     read = examined(
         read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="identify"
     )
@@ -163,10 +164,13 @@ def _many(
     shared: "tuple[str | None, pathlib.Path | None, int]",
 ) -> int:
     """Each of several campaigns, and one table of them."""
+    from experiments.studies.campaigns.places import TABLES
+
+    try_out(*(out / name for name in TABLES))
     set_up()
     from experiments.runtime.executors.chosen import chosen
     from experiments.studies.campaigns.run import identify_campaigns
-    from identification.campaign.faults import printable
+    from scdpr_jax.numerics.files.harmless import printable
 
     question = _question(asked)
     cluster, certificates, cores = shared

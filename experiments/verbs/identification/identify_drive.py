@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up
 from experiments.verbs.console import ERRORS, OUT, Folder, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import try_out
 
 
 def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: int = 0) -> int:
@@ -24,6 +25,7 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     from identification.campaign.quantities import QuantityError, parse_quantity
     from identification.result.axis_file import write_axis_parameters
 
+    try_out(out / "parameters.json")
     read = read_axis_log(log)
     unit = "N m/V" if read.is_rotary else "N/V"
     try:

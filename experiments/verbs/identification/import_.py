@@ -7,6 +7,7 @@ import tyro
 
 from experiments.verbs.console import ERRORS, OUT, suggest, wrote
 from experiments.verbs.exit_status import DONE
+from experiments.verbs.places import try_out
 
 
 def import_(
@@ -34,12 +35,14 @@ def import_(
             "MAPPING.toml`."
         )
     if propose is not None:
+        try_out(propose)
         return _propose(files, propose, into)
     if len(files) > 1:
         raise ValueError(
             f"one mapping at a time, got {len(files)} files, expected one TOML file. Logs are "
             "named in the mapping; `--propose MAPPING.toml` writes one."
         )
+    try_out(into / "campaign.toml")
     return _import(files[0], into)
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from experiments.runtime import shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import try_out
 
 if TYPE_CHECKING:
     from identification.vision.tracking import Tracked
@@ -31,6 +32,7 @@ def track(
         propose: TOML file to write for the video: its colours, marks and markers as they are
             found, the rest left to be filled in, and a picture with their numbers.
     """
+    try_out(*(path for path in (out, overlay, json, propose) if path is not None))
     if propose is not None:
         return _propose(vision, propose)
     if out is None:

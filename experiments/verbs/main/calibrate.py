@@ -5,7 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, plan_call, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
-from experiments.verbs.places import require_outside
+from experiments.verbs.places import require_outside, try_out
 
 
 def calibrate(
@@ -44,6 +44,7 @@ def calibrate(
     from identification.campaign import read_campaign
 
     require_outside(out, campaign)
+    try_out(out / "report.html")
     read = examined(
         read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="calibrate"
     )
@@ -74,7 +75,7 @@ def calibrate(
         written = write_calibration(findings, out, pictures=pictures)
     summary.show(OUT, findings)
     for note in findings.notes:
-        OUT.print(f"note: {note}")
+        OUT.print(f"note: {note}", markup=False)
     wrote(*written.paths)
     suggest(f"open {written.report}")
     if not findings.estimate.fits:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
-from experiments.verbs.places import require_outside
+from experiments.verbs.places import require_outside, try_out
 
 if TYPE_CHECKING:
     from identification.campaign import RunSummary
@@ -35,6 +35,9 @@ def check(
 
     if mend is not None:
         require_outside(mend, campaign)
+        try_out(mend / "campaign.toml")
+    if json is not None:
+        try_out(json)
     read = check_campaign(campaign)
     findings = () if read.campaign is None else examine(read.campaign)
     _print_runs(read.runs)

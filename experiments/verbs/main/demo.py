@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import try_out
 
 
 def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
@@ -32,6 +33,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             f"`--out`: {logs} exists already, got a demo's folder or yours, expected none. "
             "Name another folder, or remove it."
         )
+    try_out(out / "report.html")
     with shown_progress(ERRORS) as progress, drawing_aside() as draw:
         truth = rig.draw_truth(seed)
         made = rig.campaign(truth, seed, progress=progress.part(0.0, 0.2))

@@ -6,6 +6,7 @@ from typing import Literal
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, wrote
 from experiments.verbs.exit_status import DONE
+from experiments.verbs.places import try_out
 
 Row = Literal[
     "forward-linear",
@@ -41,6 +42,7 @@ def benchmark(
             "`--repeats` and `--largest-batch` must be 1 or more [1], got "
             f"{repeats} and {largest_batch}. Leave them out for 5 and 4096."
         )
+    try_out(out / "performance.md")
     set_up()
     import jax
 

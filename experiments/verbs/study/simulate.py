@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up
 from experiments.verbs.console import ERRORS, OUT, wrote
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import try_out
 
 
 def simulate(
@@ -32,6 +33,7 @@ def simulate(
     from scdpr_jax.numerics.files import write_whole
     from tuning.result.document import read_tuning
 
+    try_out(out / "simulation.csv")
     fitted = read_parameters(parameters)
     label = setting or (fitted.settings[0] if fitted.settings else "0 N")
     pretension = parse_quantity(label, unit="N", name="--setting")

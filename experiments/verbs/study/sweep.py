@@ -7,8 +7,9 @@ import tyro
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, suggest, tell_distrusted, wrote
-from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.exit_status import DONE
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import try_out
 
 if TYPE_CHECKING:
     from scdpr_jax.robot.parameters import Robot
@@ -59,23 +60,20 @@ def sweep(
     wanted = next(m for m in MEASURES if m.name == measure)
     axes = parse_axes(over, wanted.known)
     robot, fits = _robot(parameters, setting)
-    try:
-        with (
-            shown_progress(ERRORS) as progress,
-            chosen(cluster, certificates, cores or 1) as executor,
-        ):
-            dataset = run_sweep(
-                wanted,
-                axes,
-                robot,
-                out,
-                executor=executor,
-                distrusted=tell_distrusted,
-                progress=progress,
-            )
-    except KeyboardInterrupt:
-        ERRORS.print("scdpr sweep: stopped. The same call goes on from here.")
-        return FELL_SHORT
+    try_out(out)
+    with (
+        shown_progress(ERRORS) as progress,
+        chosen(cluster, certificates, cores or 1) as executor,
+    ):
+        dataset = run_sweep(
+            wanted,
+            axes,
+            robot,
+            out,
+            executor=executor,
+            distrusted=tell_distrusted,
+            progress=progress,
+        )
     status = DONE if parameters is None else ending(parameters, fits=fits)
     with dataset:
         show(OUT, dataset, axes=len(axes))

@@ -6,6 +6,7 @@ from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.exit_status import FELL_SHORT
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import try_out
 
 
 def codesign(
@@ -49,6 +50,7 @@ def codesign(
     from tuning.loop.worst_margins import margin_map
     from tuning.result.tuning import CAUTION
 
+    try_out(out / "codesign.json")
     fitted = read_parameters(parameters)
     caution = "" if fitted.fits else CAUTION
     if caution and not force:

@@ -8,7 +8,7 @@ import tyro
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.failed_fit import ending
-from experiments.verbs.places import parse_position
+from experiments.verbs.places import parse_position, try_out
 from experiments.verbs.starting_pose import beginning
 
 if TYPE_CHECKING:
@@ -57,8 +57,7 @@ def plan(
     from identification.campaign.quantities import parse_quantity
     from tuning.result.document import read_tuning
 
-    if legs is None:
-        _page_beside(out)
+    try_out(*((out, _page_beside(out)) if legs is None else (out / "legs.csv",)))
     tuned = read_tuning(tuning)
     if tuned.caution and not force:
         raise ValueError(f"{tuning}: {tuned.caution} `--force` plans all the same.")

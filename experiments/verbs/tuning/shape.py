@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import try_out
 
 
 def shape(
@@ -60,6 +61,7 @@ def shape(
             "Leave it out for as few as leave hardly more."
         )
     least = parse_quantity(lowest, unit="Hz", name="--lowest")
+    try_out(out / "shaper.json")
     recording = None if column else read_acceleration(spectrum)
     if recording is None:
         file = read_spectrum(

@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, plan_call, suggest, wrote
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import try_out
 
 
 def tune(
@@ -30,6 +31,7 @@ def tune(
     from identification.result.parameters_file import read_parameters
     from tuning.gains.tune import tune as design
 
+    try_out(out / "tuning.json")
     fitted = read_parameters(parameters)
     measured = read_frequencies(frequencies)
     with shown_progress(ERRORS) as progress:

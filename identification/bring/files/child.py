@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from identification.bring.files.channel import Channel
+from scdpr_jax.numerics.processes import end_with_parent
 
 SECONDS = 1.5
 """Processor time that every file may take [s]."""
@@ -25,6 +26,10 @@ MEMORY = 2**29
 MEMORY_A_BYTE = 60
 """What is added for each byte of a file: compressed numbers are ten times as long unpacked, and
 are held as they are, as doubles, and on their way."""
+MOST = 2**30
+"""Memory that no file may exceed [bytes]."""
+FULL_DISK = 74
+"""How it ends where its results have no place."""
 
 
 def seconds(path: pathlib.Path) -> float:
@@ -46,6 +51,7 @@ def main(arguments: list[str]) -> None:
         arguments: A folder for the results; then a kind, "tdms", "mat" or "hdf5", and a path
             for each file.
     """
+    end_with_parent()
     out, *files = arguments
     for number, (kind, name) in enumerate(zip(files[::2], files[1::2], strict=True)):
         path = pathlib.Path(name)
@@ -53,7 +59,11 @@ def main(arguments: list[str]) -> None:
         with _limited(path):
             content = _packed(reader(path))
         scratch = pathlib.Path(out) / f"{number}.part.npz"
-        np.savez(scratch, **content)
+        try:
+            np.savez(scratch, **content)
+        except OSError as error:
+            print(error.strerror, file=sys.stderr)
+            sys.exit(FULL_DISK)
         scratch.replace(pathlib.Path(out) / f"{number}.npz")
 
 
@@ -83,7 +93,7 @@ def _limited(path: pathlib.Path) -> Iterator[None]:
     used = _address_space()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    room = used + MEMORY + MEMORY_A_BYTE * path.stat().st_size
+    room = used + min(MEMORY + MEMORY_A_BYTE * path.stat().st_size, MOST)
     soft = room if hard == resource.RLIM_INFINITY else min(room, hard)
     resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
     signal.setitimer(signal.ITIMER_PROF, seconds(path))

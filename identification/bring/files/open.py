@@ -7,7 +7,8 @@ from identification.bring.files.channel import Log
 from identification.bring.files.csv.dialect import Dialect
 from identification.bring.files.csv.log import read_csv
 from identification.bring.files.parent import own, read_in_child
-from identification.campaign.faults import Fault
+from identification.campaign.faults import Fault, fault_of
+from scdpr_jax.numerics.files.given import LOG, FileError, require_file
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 """What an HDF5 file begins with, at 0 or behind a block of 512 bytes."""
@@ -53,19 +54,17 @@ def open_logs(
 
 def _unusable(path: Path) -> Fault | None:
     """Why a path can't be a log: nothing is there, or what waits for ever."""
-    if path.is_file():
-        try:
-            path.open("rb").close()
-        except OSError as error:
-            got = f"{error.strerror}"
-        else:
-            return None
-    elif path.is_dir():
-        got = "a folder"
-    elif path.exists():
-        got = "a pipe or a device"
-    else:
+    try:
+        require_file(path, most=LOG)
+        path.open("rb").close()
+    except FileError as error:
+        return fault_of(error, file=str(path))
+    except FileNotFoundError:
         got = "no such file"
+    except OSError as error:
+        got = f"{error.strerror}"
+    else:
+        return None
     return Fault(
         what="the log can't be read",
         file=str(path),

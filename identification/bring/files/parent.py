@@ -6,12 +6,12 @@ that. A process of its own can be ended, and the system tells how it ended.
 """
 
 import dataclasses
+import errno
 import json
 import os
 import signal
 import subprocess
 import sys
-import tempfile
 import zipfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -19,11 +19,14 @@ from pathlib import Path
 import numpy as np
 
 from identification.bring.files.channel import Channel, Waveform
-from identification.bring.files.child import seconds
+from identification.bring.files.child import FULL_DISK, seconds
 from identification.campaign.faults import Fault
+from scdpr_jax.numerics.files.scratch import scratch_folder
 
 PATIENCE = 6.0
 """Time over processor time that a child may take: others want the processor too."""
+TOGETHER = 500
+"""Files of one child: a command line isn't endless."""
 START = 30.0
 """Time that a child may take to begin [s]."""
 
@@ -39,25 +42,26 @@ def read_in_child(files: Sequence[tuple[str, Path]]) -> list[list[Channel] | Fau
     """
     results: list[list[Channel] | Fault] = []
     while len(results) < len(files):
-        results += _one_child(files[len(results) :])
+        results += _one_child(files[len(results) :][:TOGETHER])
     return results
 
 
 def _one_child(files: Sequence[tuple[str, Path]]) -> list[list[Channel] | Fault]:
     """What one child makes of the first of some files: of all, or up to one that ended it."""
-    with tempfile.TemporaryDirectory(prefix="scdpr-import-") as out:
+    with scratch_folder() as out:
         ended = _run(out, files)
-        results = list(_results(Path(out), files))
+        results = list(_results(out, files))
     if len(results) < len(files):
         results.append(_fault(files[len(results)][1], ended))
     return results
 
 
-def _run(out: str, files: Sequence[tuple[str, Path]]) -> str:
+def _run(out: Path, files: Sequence[tuple[str, Path]]) -> str:
     """Let a child read files, and say how it ended."""
     words = [word for kind, path in files for word in (kind, str(Path(path).absolute()))]
     limit = START + PATIENCE * sum(seconds(path) for _, path in files)
-    command = [sys.executable, "-m", "identification.bring.files.child", out, *words]
+    # Not what happens to lie in the working directory.
+    command = [sys.executable, "-P", "-m", "identification.bring.files.child", str(out), *words]
     # A child whose path begins where this one's does finds the same packages.
     home = str(Path(__file__).parents[3])
     known = os.environ.get("PYTHONPATH")
@@ -79,6 +83,8 @@ def _run(out: str, files: Sequence[tuple[str, Path]]) -> str:
         return "more time than a file of its size can need"
     if ended < 0:
         return f"an end of its reader by {signal.Signals(-ended).name}"
+    if ended == FULL_DISK:
+        raise OSError(errno.ENOSPC, "No space left on device", str(out))
     said = child.stderr.decode(errors="replace").strip().splitlines()
     return said[-1][:300] if said else f"an end of its reader with status {ended}"
 

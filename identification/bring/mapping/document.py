@@ -20,6 +20,10 @@ from identification.campaign.schema import (
 )
 from identification.campaign.tables.document import read_document, row_of
 from identification.campaign.types import KINDS
+from scdpr_jax.numerics.files.harmless import represented
+
+_LOOKED_AT = 200
+"""Problems of a mapping that are explained."""
 
 
 class _Table(BaseModel):
@@ -160,7 +164,7 @@ def _filled(content: Any, place: str, left_empty: list[str]) -> Any:
 def _faults(
     error: ValidationError, text: str, content: Mapping[str, Any], left_empty: list[str]
 ) -> Iterator[Fault]:
-    for problem in error.errors(include_url=False):
+    for problem in error.errors(include_url=False)[:_LOOKED_AT]:
         path = list(problem["loc"])
         words = [str(part) for part in path]
         fault = _explained(problem, words, ".".join(words) in left_empty)
@@ -186,10 +190,10 @@ def _explained(problem: Any, words: list[str], empty: bool) -> Fault:
     kind = problem["type"]
     if kind == "extra_forbidden":
         known = [field.alias or key for key, field in table.model_fields.items()]
-        near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+        near = difflib.get_close_matches(name[:80], known, n=1, cutoff=0.0)
         return Fault(
             what="an unknown key",
-            got=repr(name),
+            got=represented(name),
             expected=f"one of {', '.join(known)}",
             remedy=f'The nearest is "{near[0]}"; delete the line if that isn\'t meant.',
         )
@@ -207,7 +211,7 @@ def _explained(problem: Any, words: list[str], empty: bool) -> Fault:
         )
     return Fault(
         what=problem["msg"][0].lower() + problem["msg"][1:],
-        got=repr(problem["input"])[:60],
+        got=represented(problem["input"]),
         expected=example,
         remedy="Write it as in docs/import.md.",
     )

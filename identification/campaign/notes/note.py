@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from identification.campaign.types import Campaign, Run
+from scdpr_jax.numerics.files.harmless import printable, shortened
 from scdpr_jax.robot.stated.numbers import PROVENANCE
 
 _TYPICAL = {source.name: source.consistent for source in PROVENANCE}
@@ -26,7 +27,7 @@ class Note:
     """What can be done about it."""
 
     def __str__(self) -> str:
-        return f"{self.file}: {self.what}. {self.cause} {self.remedy}"
+        return printable(f"{self.file}: {shortened(self.what)}. {self.cause} {self.remedy}")
 
 
 Observation = Callable[[Run, Campaign], Iterator[Note]]

@@ -8,11 +8,18 @@ from typing import Any
 
 from identification.campaign.faults import Fault
 from identification.campaign.tables.text_file import read_text
+from scdpr_jax.numerics.files.given import DOCUMENT
+from scdpr_jax.numerics.files.harmless import represented, shortened
 
 FORMAT = 1
 """Number of the format that is read and written."""
 
 _TABLE = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
+_LINE = 400
+"""Characters of a line in which a heading or a key is looked for."""
+_WORD = r"(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')"
+_DEEP = re.compile(rf"(?<![\w-]){_WORD}(?:[ \t]*+\.[ \t]*+{_WORD}){{24,}}", re.ASCII)
+"""A key of so many parts that the time to read it, which grows as their square, counts."""
 _POSITION = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
@@ -25,9 +32,12 @@ def read_document(path: Path) -> tuple[dict[str, Any] | None, str, Fault | None]
     Returns:
         The document without its `format`, None if it can't be read; its text; the fault.
     """
-    text, fault = read_text(path)
+    text, fault = read_text(path, most=DOCUMENT)
     if fault is not None:
         return None, text, fault
+    deep = _DEEP.search(text)
+    if deep is not None:
+        return None, text, _too_deep(text, deep)
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -51,7 +61,7 @@ def row_of(text: str, path: Sequence[str]) -> int | None:
     table = ""
     table_line = None
     for number, line in enumerate(text.splitlines(), start=1):
-        heading = _TABLE.match(line)
+        heading = _TABLE.match(line[:_LINE])
         if heading is not None:
             table = heading[1]
             if table == ".".join(path[:-1]):
@@ -59,7 +69,7 @@ def row_of(text: str, path: Sequence[str]) -> int | None:
             if table == ".".join(path):
                 return number
         elif table == ".".join(path[:-1]):
-            name = line.partition("=")[0].strip().strip("\"'")
+            name = line[:_LINE].partition("=")[0].strip().strip("\"'")
             if name == path[-1]:
                 return number
     return table_line
@@ -73,9 +83,19 @@ def _syntax(text: str, error: Exception) -> Fault:
     return Fault(
         what="not valid TOML",
         row=row,
-        got=str(error),
+        got=shortened(str(error)),
         expected='lines like key = "value" below headings like [table]',
         remedy="Correct that line; texts and quantities stand in quotation marks.",
+    )
+
+
+def _too_deep(text: str, found: re.Match[str]) -> Fault:
+    return Fault(
+        what="a key of too many parts",
+        row=text.count("\n", 0, found.start()) + 1,
+        got=represented(found[0]),
+        expected="tables inside of each other a few times at most",
+        remedy="Correct that line.",
     )
 
 
@@ -86,7 +106,7 @@ def _format(text: str, number: object) -> Fault:
         what="not a format that is known here" if there else "the format isn't stated",
         row=row_of(text, ["format"]),
         key="format",
-        got=repr(number) if there else "no such key",
+        got=represented(number) if there else "no such key",
         expected=f"format = {FORMAT}",
         remedy=remedy if there else f"Write `format = {FORMAT}` in the first line.",
     )

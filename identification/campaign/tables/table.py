@@ -20,6 +20,7 @@ from identification.campaign.tables.cells import Row, cell_faults, cell_number
 from identification.campaign.tables.columns import Column, Scale
 from identification.campaign.tables.header import Header, read_header
 from identification.campaign.tables.text_file import read_text
+from scdpr_jax.numerics.files.given import TABLE
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ def read_table(
     Returns:
         The table, None if there are faults; and the faults, at most about ten.
     """
-    text, fault = read_text(path)
+    text, fault = read_text(path, most=TABLE)
     if fault is not None:
         return None, listed([fault], file=file)
     rows, broken = _rows(text)

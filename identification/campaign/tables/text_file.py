@@ -3,20 +3,24 @@
 import dataclasses
 from pathlib import Path
 
-from identification.campaign.faults import Fault
+from identification.campaign.faults import Fault, fault_of
+from scdpr_jax.numerics.files.given import FileError, read_given
 
 
-def read_text(path: Path) -> tuple[str, Fault | None]:
+def read_text(path: Path, *, most: int) -> tuple[str, Fault | None]:
     """A file's text.
 
     Args:
         path: The file.
+        most: Its largest size [bytes].
 
     Returns:
         The text, without a byte order mark; and the fault if there is none to be read.
     """
     try:
-        content = path.read_bytes()
+        content = read_given(path, most=most)
+    except FileError as error:
+        return "", fault_of(error)
     except FileNotFoundError:
         return "", Fault(
             what="the file is missing",

@@ -10,6 +10,7 @@ from jaxtyping import Float32, Float64, UInt8
 from identification.vision.lens.lateral import blue_less_red
 from identification.vision.lens.lens import Lens
 from identification.vision.pictures.opencv import opencv
+from identification.vision.pictures.photos import read_photos
 from scdpr_jax.numerics.progress import SILENT, Progress
 
 MOST_RMS = 0.3
@@ -47,9 +48,9 @@ def calibrate(
             are further from the fit than 0.3 px.
     """
     found, colours = [], []
-    for number, photo in enumerate(photos):
+    for number, (photo, picture) in enumerate(zip(photos, read_photos(photos), strict=True)):
         progress(f"board {photo.name}", number / len(photos))
-        picture = _picture(photo, size)
+        _check_size(photo, picture, size)
         corners = _corners(_grey(picture), inner_corners)
         found.append(corners)
         if corners is not None:
@@ -78,15 +79,9 @@ def calibrate(
     return lens, notes
 
 
-def _picture(photo: Path, size: tuple[int, int]) -> UInt8[np.ndarray, "height width 3"]:
-    cv2 = opencv()
-    content = np.frombuffer(photo.read_bytes(), np.uint8)
-    picture = cv2.imdecode(content, cv2.IMREAD_COLOR) if len(content) else None
-    if picture is None:
-        raise ValueError(
-            f"calibration: {photo} is no picture that can be read. Delete it or export it "
-            "again as JPEG or PNG."
-        )
+def _check_size(
+    photo: Path, picture: UInt8[np.ndarray, "height width 3"], size: tuple[int, int]
+) -> None:
     height, width = picture.shape[:2]
     if (width, height) != size:
         raise ValueError(
@@ -94,7 +89,6 @@ def _picture(photo: Path, size: tuple[int, int]) -> UInt8[np.ndarray, "height wi
             f"{size[1]} as the video. Take the photos in the video's mode: another size is "
             "another part of the sensor, and another lens to this programme."
         )
-    return picture
 
 
 def _grey(picture: UInt8[np.ndarray, "height width 3"]) -> UInt8[np.ndarray, "height width"]:

@@ -11,14 +11,20 @@ says it has; then for each frame a record of `FRAME` and the rows of its pixels,
 
 import json
 import os
+import signal
 import struct
 import sys
 from typing import BinaryIO
 
+from scdpr_jax.numerics.processes import end_with_parent
+
 FRAME = struct.Struct("<dd")
 """Time by the container [s], and how much it differs from the picture before, see `change`."""
 _BLOCK = 16
-_MEMORY = 8 << 30
+_ADDRESSES = 8 << 30
+_MEMORY = 1 << 30
+_SECONDS = 4.0
+"""Processor time that a picture may take [s]: a large one takes a tenth of a second."""
 
 
 def main() -> int:
@@ -27,11 +33,12 @@ def main() -> int:
     Returns:
         0 done, 1 with a line on standard error if it can't be opened.
     """
-    _limit_memory()
+    limit()
     from identification.vision.pictures.opencv import opencv
 
     cv2 = opencv()
     path, step = sys.argv[1], int(sys.argv[2])
+    begin_picture()
     capture = cv2.VideoCapture(path)
     if not capture.isOpened():
         print("no video that can be decoded", file=sys.stderr)
@@ -45,6 +52,7 @@ def main() -> int:
 def _decode(cv2: object, capture: object, out: BinaryIO, step: int) -> int:
     number, last = 0, None
     while True:
+        begin_picture()
         read, picture = capture.read()
         if not read:
             break
@@ -97,12 +105,27 @@ def _write_all(out: BinaryIO, content: bytes | memoryview) -> None:
         view = view[out.write(view) :]
 
 
-def _limit_memory() -> None:
+def limit() -> None:
+    """Bound this process: it ends with its parent, and has so much memory and no more."""
+    end_with_parent()
     try:
         import resource
     except ImportError:  # Windows, where a process has no such limit
         return
-    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, resource.RLIM_INFINITY))
+    for kind, most in (
+        (resource.RLIMIT_CORE, 0),
+        (resource.RLIMIT_AS, _ADDRESSES),
+        (resource.RLIMIT_DATA, _MEMORY),
+    ):
+        _, hard = resource.getrlimit(kind)
+        soft = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(kind, (soft, hard))
+
+
+def begin_picture() -> None:
+    """Bound the processor time until this is called again; the system ends what exceeds it."""
+    if sys.platform != "win32":
+        signal.setitimer(signal.ITIMER_PROF, _SECONDS)
 
 
 if __name__ == "__main__":

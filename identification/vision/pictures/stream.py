@@ -16,9 +16,15 @@ from jaxtyping import UInt8
 
 from identification.vision.pictures.decoder import FRAME
 from identification.vision.pictures.opencv import opencv
+from scdpr_jax.numerics.files.given import require_file
 
 _PATIENCE = 60.0
 _PIPE = 1 << 20
+_HEADER = 1000
+VIDEO = 32 << 30
+"""Largest video [bytes]: an hour as a camera writes it."""
+PIXELS = 1 << 26
+"""Largest picture [px]."""
 _REMEDY = (
     "Play it to the end in a player; if that fails, copy it again from the camera, or mend it "
     "with `ffmpeg -i BROKEN -c:v mjpeg -q:v 2 mended.avi`."
@@ -69,8 +75,12 @@ def pictures(path: Path, *, step: int = 1) -> Iterator[Video]:
     Raises:
         ValueError: If it can't be read, here or while it is read.
     """
-    if not path.is_file():
-        raise ValueError(f"{path}: no such video. Check the key `video` and its path.")
+    try:
+        require_file(path, most=VIDEO)
+    except FileNotFoundError:
+        raise ValueError(
+            f"{path}: no such video. Check the key `video` and its path."
+        ) from None
     opencv()  # is there, or is named as missing
     environment = {**os.environ, "OPENCV_LOG_LEVEL": "OFF", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
     # Not what happens to lie in the working directory.
@@ -102,11 +112,13 @@ def _widen(pipe: BinaryIO) -> None:
 
 
 def _opened(child: subprocess.Popen, path: Path, step: int) -> Video:
-    with _patience(child):
-        line = child.stdout.readline()
+    with patience(child):
+        line = child.stdout.readline(_HEADER)
     if not line.endswith(b"\n"):
         raise _broken(child, path, "nothing that can be decoded")
     header = json.loads(line)
+    if header["width"] * header["height"] > PIXELS:
+        raise _broken(child, path, f"pictures of {header['width']} x {header['height']} px")
     frames = _frames(child, path, header["width"], header["height"], step)
     return Video(header["width"], header["height"], header["rate"], header["frames"], frames)
 
@@ -118,9 +130,9 @@ def _frames(
     picture = np.empty((height, width, 3), np.uint8)
     head = bytearray(FRAME.size)
     while True:
-        with _patience(child):
-            whole = _read_into(child.stdout, memoryview(head))
-            pixels = whole and _read_into(child.stdout, memoryview(picture).cast("B"))
+        with patience(child):
+            whole = read_into(child.stdout, memoryview(head))
+            pixels = whole and read_into(child.stdout, memoryview(picture).cast("B"))
         if not pixels:
             break
         time, change = FRAME.unpack(head)
@@ -130,8 +142,16 @@ def _frames(
         raise _broken(child, path, f"{number * step} pictures, and then no more")
 
 
-def _read_into(stream: BinaryIO, target: memoryview) -> bool:
-    """Fill a piece of memory; False at the end of the stream."""
+def read_into(stream: BinaryIO, target: memoryview) -> bool:
+    """Fill a piece of memory.
+
+    Args:
+        stream: What to read.
+        target: The memory.
+
+    Returns:
+        Whether it was filled; not so at the end of the stream.
+    """
     while len(target):
         length = stream.readinto1(target)
         if not length:
@@ -141,8 +161,15 @@ def _read_into(stream: BinaryIO, target: memoryview) -> bool:
 
 
 @contextlib.contextmanager
-def _patience(child: subprocess.Popen) -> Iterator[None]:
-    """End a process that says nothing for too long."""
+def patience(child: subprocess.Popen) -> Iterator[None]:
+    """End a process that says nothing for too long.
+
+    Args:
+        child: The process.
+
+    Yields:
+        Nothing.
+    """
     timer = threading.Timer(_PATIENCE, child.kill)
     timer.start()
     try:

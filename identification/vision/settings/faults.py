@@ -9,7 +9,10 @@ from pydantic import BaseModel, ValidationError
 
 from identification.campaign.faults import Fault, listed
 from identification.campaign.quantities import QuantityError
+from scdpr_jax.numerics.files.harmless import represented
 
+_LINE = 400
+_LOOKED_AT = 200
 _HEADING = re.compile(r"\s*(\[{1,2})\s*([^\[\]]+?)\s*\]{1,2}")
 
 
@@ -39,7 +42,7 @@ def document_faults(
         A fault for each.
     """
     empty = []
-    for problem in error.errors(include_url=False):
+    for problem in error.errors(include_url=False)[:_LOOKED_AT]:
         if problem["input"] == "":
             empty.append(problem["loc"])
             continue
@@ -90,7 +93,7 @@ def row_of(text: str, path: Sequence[str | int]) -> int | None:
     heading, counts, table_row = "", {}, None
     wanted = [str(part) for part in path]
     for number, line in enumerate(text.splitlines(), start=1):
-        match = _HEADING.match(line)
+        match = _HEADING.match(line[:_LINE])
         if match is not None:
             heading = match[2]
             if match[1] == "[[":
@@ -99,7 +102,7 @@ def row_of(text: str, path: Sequence[str | int]) -> int | None:
             if heading in (".".join(wanted), ".".join(wanted[:-1])):
                 table_row = number
         else:
-            name = line.partition("=")[0].strip().strip("\"'")
+            name = line[:_LINE].partition("=")[0].strip().strip("\"'")
             for length in range(1, len(wanted) + 1):
                 whole = f"{heading}.{name}".removeprefix(".")
                 if length > heading.count(".") and whole == ".".join(wanted[:length]):
@@ -140,10 +143,10 @@ def _words(problem: Any, table: Any, name: str) -> dict[str, str]:
 
     example = _example(table, name)
     if problem["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(name, table.model_fields, n=1, cutoff=0.0)[0]
+        near = difflib.get_close_matches(name[:80], table.model_fields, n=1, cutoff=0.0)[0]
         return {
             "what": "an unknown key",
-            "got": repr(name),
+            "got": represented(name),
             "expected": f"one of {', '.join(table.model_fields)}",
             "remedy": f'Is it "{near}"? Delete the line if that isn\'t meant.',
         }
@@ -165,7 +168,7 @@ def _words(problem: Any, table: Any, name: str) -> dict[str, str]:
     message = problem["msg"]
     return {
         "what": message[0].lower() + message[1:],
-        "got": repr(problem["input"])[:80],
+        "got": represented(problem["input"]),
         "expected": example,
         "remedy": f"Write it like {example}",
     }

@@ -1,6 +1,5 @@
 """When each picture was taken, and which of them were dropped or doubled."""
 
-import csv
 import dataclasses
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +10,7 @@ from jaxtyping import Bool, Float64
 from identification.campaign.tables.columns import TIME
 from identification.campaign.tables.text_file import read_text
 from identification.vision.settings.document import FIRST_STAMP, Time
+from scdpr_jax.numerics.files.given import TABLE, split_rows
 
 _CERTAIN = 0.3  # of the change beside it
 _NOISY = 1.0  # levels: two pictures of a noisy camera differ by more
@@ -95,20 +95,21 @@ def read_stamps(path: Path) -> dict[int, float]:
     Raises:
         ValueError: If there are none in it.
     """
-    text, fault = read_text(path)
+    text, fault = read_text(path, most=TABLE)
     if fault is not None:
         raise ValueError(f"stamps: {dataclasses.replace(fault, file=str(path))}")
-    rows = list(csv.reader(text.splitlines()))
-    header = [cell.strip() for cell in rows[0]] if rows else []
+    rows = split_rows(path, text)
+    header = [cell.strip() for cell in rows[0][1]] if rows else []
     units = {f"t [{unit}]": scale for unit, scale in TIME.items()}
     column = next((cell for cell in header if cell in units), None)
     if column is None or "frame" not in header:
         raise ValueError(
-            f"stamps: {path.name}: got the columns {', '.join(header) or 'none'}, expected "
+            f"stamps: {path.name}: got the columns "
+            f"{', '.join(header)[:80] or 'none'}, expected "
             "`frame` and `t [s]`. Name them so; frames count from 0."
         )
     stamps = {}
-    for number, row in enumerate(rows[1:], start=2):
+    for number, row in rows[1:]:
         if not any(cell.strip() for cell in row):
             continue
         try:
@@ -116,8 +117,8 @@ def read_stamps(path: Path) -> dict[int, float]:
             stamp = float(row[header.index(column)])
         except (ValueError, IndexError):
             raise ValueError(
-                f"stamps: {path.name}, row {number}: got {','.join(row)!r}, expected a whole "
-                f"number of a frame and a time {column[1:].strip()}. Correct the row."
+                f"stamps: {path.name}, row {number}: got {','.join(row)[:80]!r}, expected a "
+                f"whole number of a frame and a time {column[1:].strip()}. Correct the row."
             ) from None
         stamps[frame] = float(units[column](np.array([stamp]))[0])
     return stamps

@@ -114,9 +114,9 @@ def test_a_file_of_somebody_elses_is_left_alone_and_refused(tmp_path):
 
 def test_a_scratch_file_of_a_killed_writer_is_removed(tmp_path):
     filled(tmp_path / "store", job(), Honest())
-    (tmp_path / "store" / ".0123456789abcdef.tmp.nc").write_text("half")
+    (tmp_path / "store" / ".scdpr-01234567-99-0123456789ab.tmp").write_text("half")
     with claimed(tmp_path / "store", job(), {"kind": "one"}) as (store, _):
-        assert not any(path.suffix == ".nc" for path in store.folder.iterdir())
+        assert not any(path.suffix == ".tmp" for path in store.folder.iterdir())
         store.remove()
     assert not (tmp_path / "store").exists()
 

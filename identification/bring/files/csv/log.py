@@ -26,8 +26,6 @@ _HEADER = 200
 """Characters of a header's cell that are looked at for a unit; a longer one has none."""
 _LARGE = 1e8
 """Numbers from which on a double rounds the eighth digit behind the point."""
-_LARGEST = 2**31
-"""The largest text that is read [bytes]."""
 
 
 def read_csv(path: Path, dialect: Dialect) -> tuple[Log | None, tuple[Fault, ...]]:
@@ -40,8 +38,6 @@ def read_csv(path: Path, dialect: Dialect) -> tuple[Log | None, tuple[Fault, ...
     Returns:
         The log, None if there are faults; and the faults.
     """
-    if path.stat().st_size > _LARGEST:
-        return None, (_too_large(path),)
     text, note, fault = read_text(path, dialect.encoding)
     if fault is not None:
         return None, (fault,)
@@ -199,14 +195,4 @@ def _no_columns(path: Path, text: str) -> Fault:
         got=repr(begin),
         expected="rows of as many numbers, between semicolons, commas, tabs, bars or blanks",
         remedy="State `separator`, `decimal` and `skip`, or export the log as CSV.",
-    )
-
-
-def _too_large(path: Path) -> Fault:
-    return Fault(
-        what="the file is too large for a text",
-        file=str(path),
-        got=f"{path.stat().st_size / 1e9:.1f} GB",
-        expected=f"{_LARGEST / 1e9:.1f} GB at most",
-        remedy="Cut the log into pieces, and list them.",
     )

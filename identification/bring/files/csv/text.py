@@ -5,6 +5,7 @@ import dataclasses
 from pathlib import Path
 
 from identification.campaign.faults import Fault
+from scdpr_jax.numerics.files.given import LOG, read_given
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -39,17 +40,16 @@ def read_text(path: Path, encoding: str | None) -> tuple[str, str, Fault | None]
         The text; how it was found to be written, empty where it is UTF-8 or as stated; the
         fault where there is no text.
     """
-    with path.open("rb") as file:
-        head = file.read(_HEAD)
-        if not head.strip(b"\0"):
-            return "", "", _no_text(path, "nothing" if not head else "zero bytes")
-        for begin, what in _BINARY.items():
-            if head.startswith(begin):
-                return "", "", _no_text(path, what)
-        name, note = _encoding(head) if encoding is None else (encoding, "")
-        if name is None:
-            return "", "", _no_text(path, "bytes that are no text")
-        content = head + file.read()
+    content = read_given(path, most=LOG)
+    head = content[:_HEAD]
+    if not head.strip(b"\0"):
+        return "", "", _no_text(path, "nothing" if not head else "zero bytes")
+    for begin, what in _BINARY.items():
+        if head.startswith(begin):
+            return "", "", _no_text(path, what)
+    name, note = _encoding(head) if encoding is None else (encoding, "")
+    if name is None:
+        return "", "", _no_text(path, "bytes that are no text")
     return _decoded(path, content, name, note, stated=encoding is not None)
 
 

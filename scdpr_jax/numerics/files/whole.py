@@ -3,15 +3,20 @@
 A fit takes minutes and may be stopped in any of them. A file that is opened and filled would
 be simpler, and half of one looks like a whole to whoever reads it next. So a text goes to a
 file that has no name yet, on the same disk, and takes the other's name in one step once all of
-it has reached the disk. Where a file must have a name it has one of its own beside the other;
-a process that is ended at once leaves that behind.
+it has reached the disk: a process that is ended at once leaves nothing. Where a system knows no
+such file, or its writer goes by a name, it is a scratch file beside the other.
 """
 
 import contextlib
+import errno
 import os
 import pathlib
-import secrets
 from collections.abc import Iterator
+
+from scdpr_jax.numerics.files.scratch import TOGETHER, is_scratch, new_scratch, scratch_file
+
+_HANDLES = "/proc/self/fd"
+"""Where Linux has the files that this process has open, those without a name as well."""
 
 
 def write_whole(path: pathlib.Path, text: str) -> None:
@@ -22,12 +27,13 @@ def write_whole(path: pathlib.Path, text: str) -> None:
 
     Args:
         path: The file, replaced if it exists.
-        text: What it shall hold; written as UTF-8 with the line ends that it has.
+        text: What it shall hold; written as UTF-8 with the line ends that it has. A lone
+            surrogate, of a name that isn't UTF-8, is written out.
 
     Raises:
         OSError: If the place can't be written to; what was there is still there.
     """
-    write_bytes_whole(path, text.encode("utf-8"))
+    write_bytes_whole(path, text.encode("utf-8", "backslashreplace"))
 
 
 def write_bytes_whole(path: pathlib.Path, content: bytes) -> None:
@@ -50,35 +56,30 @@ def whole_file(
 ) -> Iterator[pathlib.Path]:
     """A place to write a file that takes another's place in one step, if all went well.
 
-    The file is the user's as the user's mask of permissions has it.
-
     Args:
         path: The file, replaced if it exists; its folder is made where it is missing.
-        named_in: Where the place is to be, with a name that ends as the file's does, on the
-            same disk: for writers that go by a name. None for those that don't.
+        named_in: A folder on the same disk in which the place is to have a name: for writers
+            that can't do without. None for those that can.
 
     Yields:
-        An empty file on the same disk to be written.
+        An empty file to be written.
 
     Raises:
-        OSError: If the place can't be written to; what was there is still there.
+        OSError: If the place can't be written to; what was there is still there. It names the
+            file, and no scratch file.
     """
     path = pathlib.Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle = None if named_in else _nameless(path.parent)
-    if handle is None:
-        with _named((named_in or path.parent) / path.name) as (handle, scratch):
-            yield scratch
-            os.fsync(handle)
-            os.replace(scratch, path)
-        return
     try:
-        scratch = pathlib.Path(f"/proc/self/fd/{handle}")
-        yield scratch
-        os.fsync(handle)
-        _take_name(handle, path)
-    finally:
-        os.close(handle)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        place = _named(path, named_in) if named_in else _anywhere(path)
+        with place as scratch:
+            yield scratch
+    except OSError as error:
+        name = error.filename
+        if name is not None and not is_scratch(name) and not str(name).startswith(_HANDLES):
+            raise
+        code, reason = error.errno or errno.EIO, error.strerror or str(error)
+        raise OSError(code, reason, str(path)) from error
 
 
 def settle(folder: pathlib.Path) -> None:
@@ -87,11 +88,33 @@ def settle(folder: pathlib.Path) -> None:
     Args:
         folder: The folder.
     """
-    if os.name == "nt":  # A folder can't be opened there.
+    if os.name != "nt":  # There a folder can't be opened.
+        _to_disk(folder, os.O_RDONLY)
+
+
+@contextlib.contextmanager
+def _named(path: pathlib.Path, folder: pathlib.Path) -> Iterator[pathlib.Path]:
+    """A scratch file that takes the other's place."""
+    with scratch_file(folder / path.name) as scratch:
+        yield scratch
+        _to_disk(scratch, os.O_RDWR)
+        with TOGETHER:
+            os.replace(scratch, path)
+
+
+@contextlib.contextmanager
+def _anywhere(path: pathlib.Path) -> Iterator[pathlib.Path]:
+    """A file without a name where there is such a thing, else a scratch file beside it."""
+    handle = _nameless(path.parent)
+    if handle is None:
+        with _named(path, path.parent) as scratch:
+            yield scratch
         return
-    handle = os.open(folder, os.O_RDONLY)
     try:
+        yield pathlib.Path(_HANDLES, str(handle))
         os.fsync(handle)
+        with TOGETHER:
+            _take_name(handle, path)
     finally:
         os.close(handle)
 
@@ -99,7 +122,7 @@ def settle(folder: pathlib.Path) -> None:
 def _nameless(folder: pathlib.Path) -> int | None:
     """An open file without a name; None where the system or the disk knows no such thing."""
     kind = getattr(os, "O_TMPFILE", None)
-    if kind is None or not os.path.isdir("/proc/self/fd"):
+    if kind is None or not os.path.isdir(_HANDLES):
         return None
     try:
         return os.open(folder, kind | os.O_RDWR, 0o666)
@@ -114,35 +137,24 @@ def _take_name(handle: int, path: pathlib.Path) -> None:
         _link(handle, path)
     except FileExistsError:
         # A link replaces nothing, a file with a name does.
-        scratch = _scratch(path)
-        _link(handle, scratch)
-        try:
+        with new_scratch(path.parent) as scratch:
+            _link(handle, scratch)
             os.replace(scratch, path)
-        finally:
-            scratch.unlink(missing_ok=True)
 
 
 def _link(handle: int, path: pathlib.Path) -> None:
     # With a folder's handle Python follows the link to the file itself, without it doesn't.
     folder = os.open(path.parent, os.O_RDONLY)
     try:
-        os.link(f"/proc/self/fd/{handle}", path.name, src_dir_fd=folder, dst_dir_fd=folder)
+        os.link(f"{_HANDLES}/{handle}", path.name, src_dir_fd=folder, dst_dir_fd=folder)
     finally:
         os.close(folder)
 
 
-@contextlib.contextmanager
-def _named(path: pathlib.Path) -> Iterator[tuple[int, pathlib.Path]]:
-    """A new file beside another, open, which goes if it still has its name in the end."""
-    scratch = _scratch(path)
-    handle = os.open(scratch, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)
+def _to_disk(path: pathlib.Path, how: int) -> None:
+    """A name that outlives a power cut must not be that of a file which doesn't."""
+    handle = os.open(path, how)
     try:
-        yield handle, scratch
+        os.fsync(handle)
     finally:
         os.close(handle)
-        scratch.unlink(missing_ok=True)
-
-
-def _scratch(path: pathlib.Path) -> pathlib.Path:
-    # A name of its own, not a longer one: 255 bytes are a name's limit.
-    return path.with_name(f".{secrets.token_hex(8)}.tmp{path.suffix[:16]}")

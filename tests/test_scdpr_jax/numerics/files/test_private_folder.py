@@ -6,7 +6,7 @@ import stat
 
 import pytest
 
-from scdpr_jax.numerics.private_folder import private_folder
+from scdpr_jax.numerics.files.private_folder import private_folder
 
 
 def mode(folder):

@@ -83,8 +83,11 @@ def test_a_file_takes_anothers_place_on_disks_without_nameless_files_as_well(
         ]
 
 
-def test_a_writer_that_goes_by_the_name_finds_its_ending(tmp_path):
-    with whole_file(tmp_path / "film.mp4", named_in=tmp_path) as scratch:
-        assert scratch.suffix == ".mp4"
-        scratch.write_text("1")
-    assert [one.name for one in tmp_path.iterdir()] == ["film.mp4"]
+def test_a_writer_that_needs_a_name_has_one_and_nothing_of_it_stays(tmp_path):
+    (tmp_path / "in").mkdir()
+    for text in ("old", "new"):
+        with whole_file(tmp_path / "film.mp4", named_in=tmp_path / "in") as scratch:
+            assert scratch.parent == tmp_path / "in"
+            scratch.write_text(text)
+        assert (tmp_path / "film.mp4").read_text() == text
+        assert not any((tmp_path / "in").iterdir())
