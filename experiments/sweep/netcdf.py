@@ -45,6 +45,7 @@ def write_dataset(
                     values = found[output.name]
                     values = values.reshape(*shape, *values.shape[1:])
                     variable[block.place] = values.astype(variable.dtype, copy=False)
+        records.finish(scratch)
 
 
 def _labels(measure: Measure, grid: Grid, attributes: dict[str, str]) -> xr.Dataset:

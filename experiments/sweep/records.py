@@ -1,5 +1,7 @@
 """The results of a sweep in their points' order, read as they are asked for."""
 
+import pathlib
+
 import numpy as np
 
 from experiments.runtime.job import Job
@@ -43,6 +45,14 @@ class Records:
             low, high = max(begin, first), min(end, last)
             found[low - first : high - first] = self._of(number)[low - begin : high - begin]
         return found
+
+    def finish(self, result: pathlib.Path) -> None:
+        """Note that all of them are in a file, before that has its name.
+
+        Args:
+            result: The file, whole.
+        """
+        self._store.finish(result)
 
     def _of(self, number: int) -> np.ndarray:
         if number != self._number:

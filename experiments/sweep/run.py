@@ -64,20 +64,23 @@ def sweep(
         UnfinishedSweepError: If some points can't be computed.
         OSError: If the place can't be written to.
     """
-    _require_none(out)
+    folder = out.with_name(f".{out.name}.unfinished")
+    if not folder.exists():
+        _require_none(out)
     swept = Sweep(measure, Grid(axes), robot)
     job = Job("sweep", swept.parcel(), swept.units, executor.installation)
-    folder = out.with_name(f".{out.name}.unfinished")
     with claimed(folder, job, named_inputs(swept)) as (store, left):
-        if out.exists():  # Who was at it before has finished it.
-            store.remove()
+        # Who was at it before may have been stopped after all was done.
+        if not (out.exists() and store.has_finished(out)):
+            if out.exists() and store.is_empty:
+                store.remove()
             _require_none(out)
-        for each in left:
-            distrusted(each)
-        _fill(swept, job, store, executor, distrusted, progress.part(0.0, 0.98))
-        progress("writing", 0.98)
-        write_dataset(out, swept, Records(swept, job, store), _attributes(swept))
-        settle(out.parent)
+            for each in left:
+                distrusted(each)
+            _fill(swept, job, store, executor, distrusted, progress.part(0.0, 0.98))
+            progress("writing", 0.98)
+            write_dataset(out, swept, Records(swept, job, store), _attributes(swept))
+            settle(out.parent)
         store.remove()
     return xr.open_dataset(out, engine="h5netcdf")
 

@@ -7,6 +7,7 @@ unit's is named, and computed anew.
 """
 
 import contextlib
+import hashlib
 import pathlib
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,8 +23,10 @@ from experiments.runtime.store.manifest import (
     write_manifest,
 )
 from experiments.runtime.store.record import opened, sealed
-from scdpr_jax.numerics.files import write_bytes_whole
+from scdpr_jax.numerics.files import write_bytes_whole, write_whole
 
+FINISHED = "finished"
+"""Name of the file that says what the results were put together to."""
 _UNIT = re.compile(r"(\d{8,})\.unit", re.ASCII)
 _SCRATCH = re.compile(r"\.scdpr-[0-9a-f]{8}-\d+-[0-9a-f]+\.tmp", re.ASCII)
 
@@ -80,6 +83,11 @@ class Store:
             return None
         return opened(self.job.identity(number, payload), record)
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether no result is kept."""
+        return not any(map(self._is_units, (path.name for path in self.folder.iterdir())))
+
     def drop(self, number: int) -> None:
         """Remove what is kept of a unit.
 
@@ -88,17 +96,40 @@ class Store:
         """
         self._file(number).unlink(missing_ok=True)
 
+    def finish(self, result: pathlib.Path) -> None:
+        """Note what the results were put together to, before that has its name.
+
+        Args:
+            result: The file, whole.
+        """
+        write_whole(self.folder / FINISHED, _digest(result))
+
+    def has_finished(self, result: pathlib.Path) -> bool:
+        """Whether a file is what an earlier process has put the results together to.
+
+        Args:
+            result: The file.
+
+        Returns:
+            Whether it is, to the last bit.
+        """
+        try:
+            noted = (self.folder / FINISHED).read_text("ascii")
+        except (FileNotFoundError, UnicodeDecodeError):
+            return False
+        return noted == _digest(result)
+
     def strangers(self) -> Iterator[pathlib.Path]:
         """Files in the folder that are none of the store's."""
         for path in sorted(self.folder.iterdir()):
-            if path.name not in (LOCK, MANIFEST) and not self._is_units(path.name):
+            if path.name not in (LOCK, MANIFEST, FINISHED) and not self._is_units(path.name):
                 yield path
 
     def remove(self) -> None:
         """Remove all that is the store's, and its folder where nothing else is in it."""
         for number in range(self.job.count):
             self.drop(number)
-        for name in (MANIFEST, LOCK):
+        for name in (MANIFEST, FINISHED, LOCK):
             (self.folder / name).unlink(missing_ok=True)
         with contextlib.suppress(OSError):
             self.folder.rmdir()
@@ -111,6 +142,11 @@ class Store:
 
     def _file(self, number: int) -> pathlib.Path:
         return self.folder / f"{number:08d}.unit"
+
+
+def _digest(path: pathlib.Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 @contextlib.contextmanager

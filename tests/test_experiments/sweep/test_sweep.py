@@ -326,3 +326,31 @@ def test_memory_stays_flat_to_a_million_points(tmp_path):
 
     # A million results are 72 MB in single precision, and not held.
     assert peak(1000) - peak(100) < 20_000
+
+
+def test_a_sweep_that_was_stopped_after_all_was_done_is_done(tmp_path, monkeypatch):
+    out = tmp_path / "out.nc"
+    grid = axes(FREQUENCY, "y=0.5, 0.6 m")
+
+    def stopped(store):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("experiments.runtime.store.store.Store.remove", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            sweep(FREQUENCY, grid, consistent(), out)
+    whole = out.read_bytes()
+    sweep(FREQUENCY, grid, consistent(), out).close()
+    assert out.read_bytes() == whole
+    assert [path.name for path in tmp_path.iterdir()] == ["out.nc"]
+
+
+def test_somebody_elses_file_is_not_taken_for_a_result(tmp_path):
+    out = tmp_path / "out.nc"
+    grid = axes(FREQUENCY, *GRID)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(SMALL, grid, consistent(), out, progress=stopping_at(0.5))
+    out.write_text("mine")
+    with pytest.raises(ValueError, match="exists already"):
+        sweep(SMALL, grid, consistent(), out)
+    assert out.read_text() == "mine"
