@@ -44,6 +44,8 @@ class Measure(NamedTuple):
     """From a sweep's axes to what computes a point; equal ones compile once."""
     chunk: int
     """Points that a device computes at a time."""
+    unit: int
+    """Points that are computed, kept and lost together: some tenths of a second's work."""
 
     @property
     def known(self) -> tuple[Variable, ...]:

@@ -86,5 +86,6 @@ CLOSED_LOOP = Measure(
     labels={},
     compute=_longest,
     chunk=64,
+    unit=512,
 )
 """A move under the sampled PD, exact Coulomb friction on both carriages."""

@@ -8,7 +8,8 @@ import xarray as xr
 
 from experiments.sweep.grid import Grid, blocks
 from experiments.sweep.measure import Measure, Output
-from experiments.sweep.store import Store
+from experiments.sweep.records import Records
+from experiments.sweep.unit import Sweep
 from scdpr_jax.numerics.files import whole_file
 
 BLOCK = 65536
@@ -16,7 +17,7 @@ BLOCK = 65536
 
 
 def write_dataset(
-    path: pathlib.Path, measure: Measure, grid: Grid, store: Store, attributes: dict[str, str]
+    path: pathlib.Path, swept: Sweep, records: Records, attributes: dict[str, str]
 ) -> None:
     """Write a sweep's results, whole or not at all.
 
@@ -25,24 +26,26 @@ def write_dataset(
 
     Args:
         path: The file, replaced if it exists.
-        measure: What was computed.
-        grid: The grid that it was computed on.
-        store: The results.
+        swept: What was computed, and where.
+        records: The results.
         attributes: What else is to be known of the whole.
     """
-    with whole_file(path) as scratch:
+    measure, grid = swept.measure, swept.grid
+    # HDF5 makes no file without a name; in the store's folder it is found if it stays behind.
+    with whole_file(path, named_in=records.folder) as scratch:
         _labels(measure, grid, attributes).to_netcdf(scratch, engine="h5netcdf")
         with h5netcdf.File(scratch, "a") as file:
             for output in measure.outputs:
-                _create(file, output, grid, store)
+                _create(file, output, grid, records.dtype)
             for block in blocks(grid.shape, BLOCK):
-                records = store.read(block.first, block.last)
+                found = records.between(block.first, block.last)
                 for output in measure.outputs:
                     variable = file.variables[output.name]
                     shape = np.empty(grid.shape, "V0")[block.place].shape
-                    values = records[output.name]
+                    values = found[output.name]
                     values = values.reshape(*shape, *values.shape[1:])
                     variable[block.place] = values.astype(variable.dtype, copy=False)
+        records.finish(scratch)
 
 
 def _labels(measure: Measure, grid: Grid, attributes: dict[str, str]) -> xr.Dataset:
@@ -59,8 +62,8 @@ def _labels(measure: Measure, grid: Grid, attributes: dict[str, str]) -> xr.Data
     return xr.Dataset(coords={**axes, **own}, attrs=attributes)
 
 
-def _create(file: h5netcdf.File, output: Output, grid: Grid, store: Store) -> None:
-    kind, _ = store.record[output.name].subdtype or (store.record[output.name], ())
+def _create(file: h5netcdf.File, output: Output, grid: Grid, record: np.dtype) -> None:
+    kind, _ = record[output.name].subdtype or (record[output.name], ())
     truth = kind == np.dtype(bool)
     variable = file.create_variable(
         output.name, (*grid.names, *output.dimensions), np.dtype("i1") if truth else kind

@@ -1,47 +1,32 @@
-"""A sweep, chunk by chunk: what is done is kept, and a stopped one goes on where it was."""
+"""A sweep, unit by unit: what is done is kept, and a stopped one goes on where it was."""
 
-import importlib.metadata
 import pathlib
-from typing import Any
+from collections.abc import Callable
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
-import numpy as np
 import xarray as xr
-from jaxtyping import Array, Float
 
+from experiments.runtime.executors.executor import Executor
+from experiments.runtime.executors.here import ThisProcess
+from experiments.runtime.installation import installation
+from experiments.runtime.job import Job
+from experiments.runtime.run import run
+from experiments.runtime.store.store import Distrusted, Store, claimed
 from experiments.sweep.axes import Axis
 from experiments.sweep.grid import Grid
-from experiments.sweep.measure import Compute, Measure, Values
+from experiments.sweep.measure import Measure
 from experiments.sweep.netcdf import write_dataset
-from experiments.sweep.store import Store, claim
+from experiments.sweep.records import Records
+from experiments.sweep.unit import Sweep, named_inputs
 from identification.campaign.quantities import format_quantity
-from scdpr_jax.numerics.batches import in_chunks
+from scdpr_jax.numerics.files import settle
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.robot.parameters import Robot
-from scdpr_jax.robot.quantities import QUANTITIES, replace
 
-_ROBOT = frozenset(quantity.name for quantity in QUANTITIES)
+_SOURCES = ("scdpr-jax", "jax", "jaxlib")
 
 
-class _Point(eqx.Module):
-    """A measure at one point of a sweep."""
-
-    robot: Robot
-    fixed: Values
-    names: tuple[str, ...] = eqx.field(static=True)
-    compute: Compute = eqx.field(static=True)
-
-    @property
-    def dtype(self) -> np.dtype:
-        """Of what it computes with."""
-        return np.dtype(self.robot.frame.width.dtype)
-
-    def __call__(self, values: Float[Array, " axes"]) -> tuple[Array, ...]:
-        swept = dict(zip(self.names, values, strict=True))
-        robot = replace(self.robot, {n: v for n, v in swept.items() if n in _ROBOT})
-        return self.compute(robot, {**self.fixed, **swept})
+class UnfinishedSweepError(FloatingPointError):
+    """Some points couldn't be computed; the others are kept."""
 
 
 def sweep(
@@ -50,19 +35,23 @@ def sweep(
     robot: Robot,
     out: pathlib.Path,
     *,
+    executor: Executor = ThisProcess(),  # noqa: B008 - it holds nothing
+    distrusted: Callable[[Distrusted], None] = lambda each: None,
     progress: Progress = SILENT,
 ) -> xr.Dataset:
     """Compute a measure over the grid that axes span, and write it as netCDF.
 
     While it isn't done, results are kept in a folder beside the file: the same call goes on
-    where the last one was stopped, at whatever moment, and ends with the same bits. The
-    folder is removed in the end.
+    where the last one was stopped, at whatever moment, by whatever executor, and ends with the
+    same bits. The folder is removed in the end.
 
     Args:
         measure: What to compute.
         axes: The axes, the last one the fastest.
         robot: The robot; its leaves' dtype is the sweep's.
         out: The netCDF file.
+        executor: Who computes the units.
+        distrusted: Told what isn't used of what an earlier call has left.
         progress: Told what is being done and which share of it all is done.
 
     Returns:
@@ -70,96 +59,73 @@ def sweep(
         of the measure.
 
     Raises:
-        ValueError: If the file exists, or parts of another sweep are in its place.
+        ValueError: If the file exists, parts of another sweep are in its place, or another
+            process is at it.
+        UnfinishedSweepError: If some points can't be computed.
         OSError: If the place can't be written to.
     """
+    folder = out.with_name(f".{out.name}.unfinished")
+    if not folder.exists():
+        _require_none(out)
+    swept = Sweep(measure, Grid(axes), robot)
+    job = Job("sweep", swept.parcel(), swept.units, executor.installation)
+    with claimed(folder, job, named_inputs(swept)) as (store, left):
+        # Who was at it before may have been stopped after all was done.
+        if not (out.exists() and store.has_finished(out)):
+            if out.exists() and store.is_empty:
+                store.remove()
+            _require_none(out)
+            for each in left:
+                distrusted(each)
+            _fill(swept, job, store, executor, distrusted, progress.part(0.0, 0.98))
+            progress("writing", 0.98)
+            write_dataset(out, swept, Records(swept, job, store), _attributes(swept))
+            settle(out.parent)
+        store.remove()
+    return xr.open_dataset(out, engine="h5netcdf")
+
+
+def _require_none(out: pathlib.Path) -> None:
     if out.exists():
         raise ValueError(
             f"`--out`: {out} exists already, got a file, expected none. Name another one, or "
             "remove it."
         )
-    grid = Grid(axes)
-    values = {
-        v.name: float(v.default(robot)) for v in measure.known if v.name not in grid.names
-    }
-    point = _Point(
-        robot=robot,
-        fixed={
-            n: jnp.asarray(v, robot.frame.width.dtype)
-            for n, v in values.items()
-            if n not in _ROBOT
-        },
-        names=grid.names,
-        compute=measure.compute(axes),
-    )
-    store = claim(
-        out.with_name(f".{out.name}.unfinished"),
-        _record(measure, point),
-        _inputs(measure, grid, robot, values),
-    )
-    _fill(measure, grid, point, store, progress)
-    progress("writing", 1.0)
-    write_dataset(out, measure, grid, store, _attributes(measure, values))
-    store.remove()
-    return xr.open_dataset(out, engine="h5netcdf")
 
 
 def _fill(
-    measure: Measure,
-    grid: Grid,
-    point: _Point,
+    swept: Sweep,
+    job: Job,
     store: Store,
+    executor: Executor,
+    distrusted: Callable[[Distrusted], None],
     progress: Progress,
 ) -> None:
     """Compute the points that the store hasn't."""
-    done, size = store.done, measure.chunk * jax.device_count()
-    progress("compiling", done / grid.count)
-    # From a chunk's beginning on, as in a sweep that is never stopped.
-    for first in range(done // size * size, grid.count, size):
-        points = grid.points(first, min(first + size, grid.count)).astype(point.dtype)
-        records = np.empty(len(points), store.record)
-        found = in_chunks(point, points, size=measure.chunk)
-        for output, values in zip(measure.outputs, found, strict=True):
-            records[output.name] = values
-        store.write(first, records)
-        last = first + len(points)
-        progress(f"{last:,} of {grid.count:,} points", last / grid.count)
+    count = swept.grid.count
+
+    def words(done: int) -> str:
+        return f"{min(done * swept.measure.unit, count):,} of {count:,} points"
+
+    completion = run(job, store, executor, words=words, progress=progress)
+    for each in completion.distrusted:
+        distrusted(each)
+    if completion.failures:
+        number, reason = next(iter(completion.failures.items()))
+        first, last = swept.ends(number)
+        raise UnfinishedSweepError(
+            f"{len(completion.failures)} of {job.count} parts of the sweep couldn't be "
+            f"computed, the first one points {first:,} to {last - 1:,}: {reason}. The others "
+            "are kept: the same call tries these again."
+        )
 
 
-def _record(measure: Measure, point: _Point) -> np.dtype:
-    """What is kept of a point, from the function's own result."""
-    one = jax.ShapeDtypeStruct((len(point.names),), point.dtype)
-    found = jax.eval_shape(point, one)
-    return np.dtype(
-        [
-            (o.name, leaf.dtype, leaf.shape)
-            for o, leaf in zip(measure.outputs, found, strict=True)
-        ]
-    )
-
-
-def _inputs(
-    measure: Measure, grid: Grid, robot: Robot, values: dict[str, float]
-) -> dict[str, Any]:
-    """Everything that the results follow from."""
-    return {
-        "measure": measure.name,
-        "axes": {axis.variable.name: axis.values.tolist() for axis in grid.axes},
-        "values": values,
-        "robot": [np.asarray(leaf).tolist() for leaf in jax.tree.leaves(robot)],
-        "versions": _versions(),
-    }
-
-
-def _attributes(measure: Measure, values: dict[str, float]) -> dict[str, str]:
+def _attributes(swept: Sweep) -> dict[str, str]:
     """What a dataset says of itself, and of what wasn't swept."""
-    units = {variable.name: variable.unit for variable in measure.known}
+    units = {variable.name: variable.unit for variable in swept.measure.known}
+    versions = installation()
     return {
-        "title": f"scdpr sweep {measure.name}",
-        "source": ", ".join(f"{name} {version}" for name, version in _versions().items()),
-        **{name: format_quantity(value, units[name]) for name, value in values.items()},
+        "title": f"scdpr sweep {swept.measure.name}",
+        "source": ", ".join(f"{name} {versions[name]}" for name in _SOURCES),
+        **{name: format_quantity(v, units[name]) for name, v in swept.values.items()},
     }
-
-
-def _versions() -> dict[str, str]:
-    return {name: importlib.metadata.version(name) for name in ("scdpr-jax", "jax", "jaxlib")}

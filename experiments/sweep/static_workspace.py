@@ -72,5 +72,6 @@ WORKSPACE = Measure(
     labels={"cables": ("open", "crossed")},
     compute=lambda axes: _workspaces,
     chunk=4096,
+    unit=65_536,
 )
 """Static workspaces of the single loop and of the conventional robot of four cables."""

@@ -1,13 +1,16 @@
 """What the verbs share of the console: where they print, and how they end."""
 
 import pathlib
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 from rich.console import Console, ConsoleRenderable, RenderHook
 from rich.text import Text
 
 from scdpr_jax.numerics.files.harmless import printable
+
+if TYPE_CHECKING:
+    from experiments.runtime.store.store import Distrusted
 
 Folder = Annotated[pathlib.Path, tyro.conf.Positional]
 """A path that is given without a flag."""
@@ -76,3 +79,13 @@ def plan_call(tuning: pathlib.Path) -> str:
         The call.
     """
     return f'scdpr plan {tuning} --from "0.3 m, 0.55 m" --to "1.9 m, 0.55 m" --out plan.csv'
+
+
+def tell_distrusted(found: "Distrusted") -> None:
+    """Say what isn't used of what an earlier call has left.
+
+    Args:
+        found: What it is.
+    """
+    text = f"{found.name}: {found.why}. It is computed anew."
+    ERRORS.print(text, markup=False, soft_wrap=True)

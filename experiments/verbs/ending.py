@@ -17,7 +17,7 @@ from typing import NoReturn
 from experiments.verbs.exit_status import UNHEARD
 
 _WORDS = {"SIGINT": "stopped", "SIGTERM": "terminated", "SIGHUP": "its terminal is gone"}
-_GOES_ON = {"sweep": " The same call goes on from here."}
+_GOES_ON = dict.fromkeys(("sweep", "identify"), " The same call goes on from here.")
 """What verbs that keep what they have computed add."""
 _PATIENCE = 0.7
 """Time that renames which belong together may take [s]."""

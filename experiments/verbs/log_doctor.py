@@ -1,13 +1,10 @@
 """The log doctor before a fit: what contradicts itself isn't fitted unless it is accepted."""
 
-import dataclasses
 from collections.abc import Sequence
 
 from experiments.verbs.console import ERRORS
 from identification.campaign import Campaign
-from identification.doctor.examine import diagnosis
-from identification.doctor.fittable import fittable
-from identification.doctor.words import WORDS
+from identification.doctor.accepted import admission
 
 
 def examined(campaign: Campaign, accept: Sequence[str], *, verb: str) -> Campaign | None:
@@ -19,22 +16,13 @@ def examined(campaign: Campaign, accept: Sequence[str], *, verb: str) -> Campaig
         verb: The verb that asks, for its messages.
 
     Returns:
-        The campaign without bad frames and runs that begin in motion, with runs in pieces
-        where they have a gap, the knocks that were found, and what was accepted; None if a
-        contradiction wasn't, which is then told.
+        The campaign as `admission` has it; None if a contradiction wasn't accepted, which is
+        then told.
 
     Raises:
         ValueError: If there is no such identifier, or nothing is left to fit.
     """
-    for identifier in accept:
-        if identifier not in WORDS:
-            raise ValueError(
-                f"`--accept`: no such finding, got {identifier!r}, expected one of: "
-                f"{', '.join(WORDS)}. `scdpr check` tells the campaign's own."
-            )
-    found = diagnosis(campaign)
-    broken = [finding for finding in found.findings if finding.severity != "note"]
-    refused = [finding for finding in broken if finding.id not in accept]
+    admitted, refused = admission(campaign, accept)
     for finding in refused:
         print(f"scdpr {verb}: {finding.severity}: {finding}", file=ERRORS.file)
     if refused:
@@ -44,6 +32,4 @@ def examined(campaign: Campaign, accept: Sequence[str], *, verb: str) -> Campaig
             f"do it; `--accept {ids}` goes on as it is.",
             file=ERRORS.file,
         )
-        return None
-    accepted = tuple(f"accepted contradiction: {finding}" for finding in broken)
-    return dataclasses.replace(fittable(campaign, found), accepted=accepted)
+    return admitted

@@ -45,6 +45,26 @@ def write_parameters(
         posterior: Draws from what the logs leave possible, where they were made.
         accepted: Contradictions of the sensors that the fit went on with, in words.
     """
+    write_whole(path, parameters_text(estimate, profiles, posterior, accepted))
+
+
+def parameters_text(
+    estimate: Estimate,
+    profiles: Sequence[Profile] = (),
+    posterior: Posterior | None = None,
+    accepted: Sequence[str] = (),
+) -> str:
+    """What `parameters.json` holds of an estimate.
+
+    Args:
+        estimate: The estimate.
+        profiles: Its profiles, where they were traced.
+        posterior: Draws from what the logs leave possible, where they were made.
+        accepted: Contradictions of the sensors that the fit went on with, in words.
+
+    Returns:
+        The text.
+    """
     document = {
         "format": 1,
         "parameters": [_parameter(p) for p in estimate.parameters],
@@ -70,7 +90,7 @@ def write_parameters(
         ],
         "fit": _fit(estimate),
     }
-    write_document(path, document)
+    return _text(document)
 
 
 def write_document(path: pathlib.Path, document: dict[str, Any]) -> None:
@@ -80,8 +100,11 @@ def write_document(path: pathlib.Path, document: dict[str, Any]) -> None:
         path: The file, replaced if it exists.
         document: Its content; arrays become lists.
     """
-    text = json.dumps(_plain(document), indent=1, allow_nan=False)
-    write_whole(path, text + "\n")
+    write_whole(path, _text(document))
+
+
+def _text(document: dict[str, Any]) -> str:
+    return json.dumps(_plain(document), indent=1, allow_nan=False) + "\n"
 
 
 def _plain(content: Any) -> Any:

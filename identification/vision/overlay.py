@@ -41,7 +41,10 @@ def write_overlay(
     if path.suffix.lower() != ".mp4":
         raise ValueError(f"`--overlay`: got {path.name}, expected a file called .mp4.")
     cv2 = opencv()
-    with pictures(folder / vision.video) as video, whole_file(path) as scratch:
+    with (
+        pictures(folder / vision.video) as video,
+        whole_file(path, named_in=path.parent) as scratch,
+    ):
         # The writer takes its format from the name.
         named = scratch.with_suffix(".mp4")
         writer = cv2.VideoWriter(

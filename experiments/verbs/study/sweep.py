@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, suggest, tell_distrusted, wrote
 from experiments.verbs.exit_status import DONE
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
@@ -23,6 +23,9 @@ def sweep(
     parameters: pathlib.Path | None = None,
     setting: str | None = None,
     precision: Literal["single", "double"] = "double",
+    cores: int | None = None,
+    cluster: str | None = None,
+    certificates: pathlib.Path | None = None,
 ) -> int:
     """Compute natural frequencies, static workspaces or a closed-loop move over a grid.
 
@@ -39,19 +42,38 @@ def sweep(
         parameters: parameters.json of `scdpr identify`; default: the paper's prototype.
         setting: Nominal pretension, "350 N"; default: the first of the parameters.
         precision: Of the numbers; single is enough for maps and takes half the memory.
+        cores: Processes of this machine to share the points among; default: this one, on all
+            its cores. The bits are the same.
+        cluster: A dask cluster to share them among, tcp://HOST:PORT or tls://HOST:PORT, or
+            local:N for one of N workers on this machine. Needs the extra `cluster`.
+        certificates: Folder with ca.pem, cert.pem and key.pem, for tls://.
     """
+    from experiments.runtime.executors.chosen import chosen, require_cluster
+
+    require_cluster(cluster, certificates, cores)
     set_up(double=precision == "double", all_cores=True)
     from experiments.sweep.axes import parse_axes
     from experiments.sweep.measures import MEASURES
     from experiments.sweep.run import sweep as run_sweep
     from experiments.sweep.show import show
 
-    chosen = next(m for m in MEASURES if m.name == measure)
-    axes = parse_axes(over, chosen.known)
+    wanted = next(m for m in MEASURES if m.name == measure)
+    axes = parse_axes(over, wanted.known)
     robot, fits = _robot(parameters, setting)
     try_out(out)
-    with shown_progress(ERRORS) as progress:
-        dataset = run_sweep(chosen, axes, robot, out, progress=progress)
+    with (
+        shown_progress(ERRORS) as progress,
+        chosen(cluster, certificates, cores or 1) as executor,
+    ):
+        dataset = run_sweep(
+            wanted,
+            axes,
+            robot,
+            out,
+            executor=executor,
+            distrusted=tell_distrusted,
+            progress=progress,
+        )
     status = DONE if parameters is None else ending(parameters, fits=fits)
     with dataset:
         show(OUT, dataset, axes=len(axes))

@@ -65,10 +65,24 @@ def scratch_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
         OSError: If it can't be made.
     """
     _remove_orphans(path.parent)
-    scratch = _name(path.parent)
+    with new_scratch(path.parent) as scratch:
+        os.close(os.open(scratch, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        yield scratch
+
+
+@contextlib.contextmanager
+def new_scratch(folder: pathlib.Path) -> Iterator[pathlib.Path]:
+    """The name of a scratch file that isn't there yet, and is gone afterwards.
+
+    Args:
+        folder: The folder that it is for.
+
+    Yields:
+        The name.
+    """
+    scratch = _name(folder)
     _on_the_way.add(scratch)
     try:
-        os.close(os.open(scratch, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield scratch
     finally:
         scratch.unlink(missing_ok=True)

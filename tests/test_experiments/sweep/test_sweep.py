@@ -13,13 +13,16 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
+from experiments.runtime.computation import _begun
+from experiments.sweep import unit
 from experiments.sweep.axes import parse_axes
 from experiments.sweep.frequency import FREQUENCY
-from experiments.sweep.grid import blocks
+from experiments.sweep.grid import Grid, blocks
 from experiments.sweep.measures import MEASURES
 from experiments.sweep.move import CLOSED_LOOP
 from experiments.sweep.run import sweep
 from experiments.sweep.static_workspace import WORKSPACE
+from experiments.sweep.unit import Sweep
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import closed_loop
@@ -186,6 +189,8 @@ def test_closed_loop_is_the_simulators(tmp_path):
 
 
 GRID = ("y=0.2..0.9:100 m", "effective_pretension=50..300:200 N")
+SMALL = FREQUENCY._replace(unit=4096)
+"""Frequencies in units that are small enough for the grid to have five of them."""
 
 
 def stopping_at(share):
@@ -196,41 +201,74 @@ def stopping_at(share):
     return Progress(tell)
 
 
-@pytest.mark.parametrize("cut", [0, 1, 5000, 10**9])
-def test_a_stopped_sweep_ends_with_the_same_bits(tmp_path, cut):
+def test_a_stopped_sweep_ends_with_the_same_bits(tmp_path):
     whole, out = tmp_path / "whole.nc", tmp_path / "out.nc"
     grid = axes(FREQUENCY, *GRID)
-    sweep(FREQUENCY, grid, consistent(), whole).close()
+    sweep(SMALL, grid, consistent(), whole).close()
     with pytest.raises(KeyboardInterrupt):
-        sweep(FREQUENCY, grid, consistent(), out, progress=stopping_at(0.5))
+        sweep(SMALL, grid, consistent(), out, progress=stopping_at(0.5))
     assert not out.exists()
-    records = tmp_path / ".out.nc.unfinished" / "records"
-    os.truncate(records, max(records.stat().st_size - cut, 0))
 
     told = []
-    progress = Progress(lambda doing, share: told.append(share))
-    sweep(FREQUENCY, grid, consistent(), out, progress=progress).close()
+    progress = Progress(lambda doing, share: told.append((doing, share)))
+    sweep(SMALL, grid, consistent(), out, progress=progress).close()
     assert out.read_bytes() == whole.read_bytes()
-    assert told[0] > 0.3 or cut == 10**9  # not from the beginning
+    assert next(share for doing, share in told if doing == "beginning") > 0.3
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out.nc", "whole.nc"]
+
+
+def test_a_unit_that_was_damaged_is_named_and_computed_anew(tmp_path):
+    whole, out = tmp_path / "whole.nc", tmp_path / "out.nc"
+    grid = axes(FREQUENCY, *GRID)
+    sweep(SMALL, grid, consistent(), whole).close()
+    with pytest.raises(KeyboardInterrupt):
+        sweep(SMALL, grid, consistent(), out, progress=stopping_at(0.5))
+    first = tmp_path / ".out.nc.unfinished" / "00000000.unit"
+    record = bytearray(first.read_bytes())
+    record[len(record) // 2] ^= 1 << 3
+    first.write_bytes(record)
+    told = []
+    sweep(SMALL, grid, consistent(), out, distrusted=told.append).close()
+    assert told == [(first.name, "damaged")]
+    assert out.read_bytes() == whole.read_bytes()
+
+
+def test_a_point_that_cannot_be_computed_leaves_the_others_and_no_file(tmp_path, monkeypatch):
+    def half(number, payload):
+        return bytes(1 // 0) if number == 1 else begun(number, payload)
+
+    begun = unit.begin(Sweep(SMALL, Grid(axes(FREQUENCY, *GRID)), consistent()).parcel())
+    monkeypatch.setattr(unit, "begin", lambda parcel: half)
+    _begun.cache_clear()
+    with pytest.raises(FloatingPointError, match=r"1 of 5 parts .* 4,096 to 8,191: ZeroDiv"):
+        sweep(SMALL, axes(FREQUENCY, *GRID), consistent(), tmp_path / "out.nc")
+    assert not (tmp_path / "out.nc").exists()
+    monkeypatch.undo()
+    _begun.cache_clear()
+    told = []
+    progress = Progress(lambda doing, share: told.append((doing, share)))
+    sweep(
+        SMALL, axes(FREQUENCY, *GRID), consistent(), tmp_path / "out.nc", progress=progress
+    ).close()
+    assert next(share for doing, share in told if doing == "beginning") > 0.7
 
 
 def test_a_killed_command_goes_on_to_the_same_bits(tmp_path):
     out, whole = tmp_path / "out.nc", tmp_path / "whole.nc"
-    grid = ("y=0.2..0.9:100 m", "effective_pretension=50..300:400 N")
+    grid = ("y=0.2..0.9:200 m", "effective_pretension=50..300:700 N")
     command = [sys.executable, "-m", "experiments.cli", "sweep", "frequency", "--over", *grid]
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache")}
 
     def to(path):
         return [*command, "--out", str(path)]
 
-    records = tmp_path / ".out.nc.unfinished" / "records"
+    folder = tmp_path / ".out.nc.unfinished"
     first = subprocess.Popen(to(out), env=environment, stdout=subprocess.DEVNULL)
-    while first.poll() is None and not (records.exists() and records.stat().st_size):
+    while first.poll() is None and not any(folder.glob("*.unit")):
         time.sleep(0.002)
     first.kill()
     assert first.wait() == -9
-    assert 0 < records.stat().st_size < 40_000 * 18 * 8
+    assert 0 < len(list(folder.glob("*.unit"))) < 3
     assert not out.exists()
 
     for path in (out, whole):
@@ -239,13 +277,14 @@ def test_a_killed_command_goes_on_to_the_same_bits(tmp_path):
         )
         assert f"wrote {path}" in done.stdout
     assert out.read_bytes() == whole.read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cache", "out.nc", "whole.nc"]
 
 
 def test_another_sweeps_parts_are_not_gone_on_with(tmp_path):
     with pytest.raises(KeyboardInterrupt):
-        swept(tmp_path, FREQUENCY, *GRID, progress=stopping_at(0.3))
-    with pytest.raises(ValueError, match=r"another one \(axes differ\)"):
-        swept(tmp_path, FREQUENCY, GRID[0], "effective_pretension=50..301:200 N")
+        swept(tmp_path, SMALL, *GRID, progress=stopping_at(0.3))
+    with pytest.raises(ValueError, match=r"another call has begun \(axes differ\)"):
+        swept(tmp_path, SMALL, GRID[0], "effective_pretension=50..301:200 N")
 
 
 def test_a_file_that_exists_is_not_written_over(tmp_path):
@@ -287,3 +326,31 @@ def test_memory_stays_flat_to_a_million_points(tmp_path):
 
     # A million results are 72 MB in single precision, and not held.
     assert peak(1000) - peak(100) < 20_000
+
+
+def test_a_sweep_that_was_stopped_after_all_was_done_is_done(tmp_path, monkeypatch):
+    out = tmp_path / "out.nc"
+    grid = axes(FREQUENCY, "y=0.5, 0.6 m")
+
+    def stopped(store):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("experiments.runtime.store.store.Store.remove", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            sweep(FREQUENCY, grid, consistent(), out)
+    whole = out.read_bytes()
+    sweep(FREQUENCY, grid, consistent(), out).close()
+    assert out.read_bytes() == whole
+    assert [path.name for path in tmp_path.iterdir()] == ["out.nc"]
+
+
+def test_somebody_elses_file_is_not_taken_for_a_result(tmp_path):
+    out = tmp_path / "out.nc"
+    grid = axes(FREQUENCY, *GRID)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(SMALL, grid, consistent(), out, progress=stopping_at(0.5))
+    out.write_text("mine")
+    with pytest.raises(ValueError, match="exists already"):
+        sweep(SMALL, grid, consistent(), out)
+    assert out.read_text() == "mine"

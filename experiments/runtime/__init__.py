@@ -1,0 +1,4 @@
+"""What an entry point sets up, and who computes what takes long: units, executors, a store."""
+
+from .entry_point import set_up as set_up
+from .entry_point import shown_progress as shown_progress

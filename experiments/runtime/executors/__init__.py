@@ -1,0 +1,1 @@
+"""Who computes units: this process, processes of this machine, a cluster."""

@@ -1,0 +1,1 @@
+"""Many campaigns identified in one call, each a unit: `scdpr identify A B C …`."""
