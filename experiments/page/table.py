@@ -17,6 +17,11 @@ class Table:
     words: tuple[int, ...] = (0,)
     """Columns of words, which begin at the left; numbers end at the right."""
 
+    @property
+    def untitled(self) -> "Table":
+        """The same, where the title stands somewhere else."""
+        return dataclasses.replace(self, title="")
+
 
 def table_of(
     title: str, rows: Iterable[Mapping[str, str]], *, words: tuple[int, ...] = (0,)

@@ -6,14 +6,14 @@ from rich.console import Console
 from rich.text import Text
 
 from experiments.page.console_text import print_lines, print_table
+from experiments.reports.calibration.influence_tables import influence_tables
+from experiments.reports.calibration.knock_table import knock_table
 from experiments.reports.drive_report import (
     axis_rows,
     axis_sentences,
     axis_verdict,
     law_sentences,
 )
-from experiments.reports.influence_tables import influence_tables
-from experiments.reports.knock_table import knock_table
 from experiments.reports.model_tables import (
     measured_tables,
     model_tables,
