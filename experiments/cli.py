@@ -1,9 +1,12 @@
 """The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
 
+import contextlib
 import gc
 import os
+import shutil
 import sys
 
+from experiments.page.wrapping import wrapped
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT, STOPPED
 
 VERBS: dict[str, dict[str, str]] = {
@@ -75,20 +78,28 @@ def main(arguments: list[str] | None = None) -> int:
 
     name = verb.replace("-", "_") + "_" * keyword.iskeyword(verb)
     chosen = getattr(importlib.import_module(f"experiments.verbs.{wings[verb]}.{name}"), name)
+    from experiments.verbs.console import complain
+    from experiments.verbs.help_text import described, fitted_help
+
     try:
-        return tyro.cli(chosen, args=rest, prog=f"scdpr {verb}")
+        asked = not {"-h", "--help"}.isdisjoint(rest)
+        with fitted_help(_columns()) if asked else contextlib.nullcontext():
+            return tyro.cli(described(chosen), args=rest, prog=f"scdpr {verb}")
     except ValueError as error:
-        print(f"scdpr {verb}: {error}", file=sys.stderr)
+        complain(f"scdpr {verb}: {error}")
         return BAD_INPUT
+    except BrokenPipeError:
+        # Whoever read it has gone, `head` for one: what is left in the buffer has no reader.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
     except OSError as error:
-        print(
+        complain(
             f"scdpr {verb}: {error.filename or 'a file'}: can't be used, got "
-            f"{error.strerror}. Give a place that can be read and written.",
-            file=sys.stderr,
+            f"{error.strerror}. Give a place that can be read and written."
         )
         return BAD_INPUT
     except FloatingPointError as error:
-        print(f"scdpr {verb}: {error}", file=sys.stderr)
+        complain(f"scdpr {verb}: {error}")
         return FELL_SHORT
     except KeyboardInterrupt:
         print(f"scdpr {verb}: stopped. No file is half written.", file=sys.stderr)
@@ -108,20 +119,25 @@ def _prepare_process() -> None:
 
 def _help() -> str:
     verbs = {name: does for wing in VERBS.values() for name, does in wing.items()}
-    width = max(map(len, verbs))
-    rows = [f"  {name:<{width}}  {does}" for name, does in verbs.items()]
-    return "\n".join(
-        [
-            "usage: scdpr VERB …",
-            "",
-            "From a planar cable robot's logged runs to its parameters, gains and shapers.",
-            "",
-            *rows,
-            "",
-            "`scdpr VERB --help` tells a verb's arguments.",
-            "Exit status: 0 done, 1 fell short, 2 bad input, 130 stopped.",
-        ]
+    room = max(map(len, verbs)) + 4
+    text = (
+        ("usage: scdpr VERB …", ""),
+        ("", ""),
+        ("From a planar cable robot's logged runs to its parameters, gains and shapers.", ""),
+        ("", ""),
+        *((f"  {name}".ljust(room) + does, room * " ") for name, does in verbs.items()),
+        ("", ""),
+        ("`scdpr VERB --help` tells a verb's arguments.", ""),
+        ("Exit status: 0 done, 1 fell short, 2 bad input, 130 stopped.", ""),
     )
+    return "\n".join(
+        line for words, hanging in text for line in wrapped(words, _columns(), hanging=hanging)
+    )
+
+
+def _columns() -> int:
+    """Columns of the terminal; a file or a pipe has no width."""
+    return shutil.get_terminal_size((100_000, 24)).columns
 
 
 if __name__ == "__main__":

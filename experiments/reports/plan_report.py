@@ -94,6 +94,7 @@ def tables(compared: Compared) -> tuple[Table, Table]:
             (name, *_cells(runs[0].measures))
             for name, runs in zip(SIDES, (compared.plain, compared.planned), strict=True)
         ),
+        spare=((3,),),
     )
     others = Table(
         "Robots as they might be",

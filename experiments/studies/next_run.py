@@ -128,7 +128,8 @@ def candidate_table(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Tabl
         "reach x, y [m]",
         "speed [m/s]",
     )
-    return Table(title, header, tuple(rows))
+    reach = header.index("reach x, y [m]")
+    return Table(title, header, tuple(rows), spare=((reach,), (reach + 1,)))
 
 
 def shown_width(rig: Rig, index: int, sigma: float) -> str:

@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Sequence
 
-from experiments.verbs.console import ERRORS
+from experiments.verbs.console import complain
 from identification.campaign import Campaign
 from identification.doctor.examine import diagnosis
 from identification.doctor.fittable import fittable
@@ -36,13 +36,12 @@ def examined(campaign: Campaign, accept: Sequence[str], *, verb: str) -> Campaig
     broken = [finding for finding in found.findings if finding.severity != "note"]
     refused = [finding for finding in broken if finding.id not in accept]
     for finding in refused:
-        print(f"scdpr {verb}: {finding.severity}: {finding}", file=ERRORS.file)
+        complain(f"scdpr {verb}: {finding.severity}: {finding}")
     if refused:
         ids = " ".join(dict.fromkeys(finding.id for finding in refused))
-        print(
+        complain(
             f"scdpr {verb}: nothing was fitted. Put it right, or let `scdpr check --mend OUT` "
-            f"do it; `--accept {ids}` goes on as it is.",
-            file=ERRORS.file,
+            f"do it; `--accept {ids}` goes on as it is."
         )
         return None
     accepted = tuple(f"accepted contradiction: {finding}" for finding in broken)

@@ -24,6 +24,21 @@ def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
         )
 
 
+def results_of(campaign: pathlib.Path) -> pathlib.Path:
+    """A folder for a campaign's results: here, or beside the campaign from inside of it.
+
+    Args:
+        campaign: The campaign's folder.
+
+    Returns:
+        The folder's name for a call.
+    """
+    folder = campaign.resolve()
+    beside = folder.with_name(f"{folder.name}-results")
+    inside = pathlib.Path.cwd().is_relative_to(folder)
+    return beside if inside else pathlib.Path(beside.name)
+
+
 def parse_position(text: str, *, name: str, robot: "Robot") -> tuple[float, float]:
     """A position of the end-effector inside the frame.
 

@@ -2,8 +2,12 @@
 
 import dataclasses
 import itertools
+import re
 from collections.abc import Iterable
 
+_NAMED = 3
+"""Files that are named, each by itself, of what is alike in them."""
+_NUMBER = re.compile(r"\d[\d.,]*(e[+-]?\d+)?")
 _LISTED = 10
 """Faults of one file that are listed; a column that is wrong throughout has thousands."""
 
@@ -42,13 +46,18 @@ class Fault:
             parts.append(f"key '{self.key}'")
         return ", ".join(parts)
 
-    def __str__(self) -> str:
+    @property
+    def text(self) -> str:
+        """What is wrong, what was found and expected, and the remedy, wherever it is."""
         parts = [self.what]
         if self.got:
             parts.append(f"got {self.got}")
         if self.expected:
             parts.append(f"expected {self.expected}")
-        return f"{self.where}: {', '.join(parts)}. {self.remedy}"
+        return f"{', '.join(parts)}. {self.remedy}"
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.text}"
 
 
 class CampaignError(ValueError):
@@ -58,8 +67,38 @@ class CampaignError(ValueError):
         self.faults = faults
         """Every fault that was found."""
         number = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        lines = [f"{what} {path}: {number}.", *(f"  {fault}" for fault in faults)]
+        told = grouped(
+            (fault.file, fault.where.removeprefix(fault.file), fault.text) for fault in faults
+        )
+        lines = [f"{what} {path}: {number}.", *(f"  {line}" for line in told)]
         super().__init__("\n".join(map(printable, lines)))
+
+
+def grouped(lines: Iterable[tuple[str, str, str]]) -> list[str]:
+    """What is the same in many files, told once.
+
+    Args:
+        lines: A file, a place in it, and what is there; alike are those in the same place that
+            differ in numbers only.
+
+    Returns:
+        A line for each, or for all that are alike in more than three files, in the order in
+        which they come.
+    """
+    told = list(lines)
+    kinds = [(place, _NUMBER.sub("0", text)) for _, place, text in told]
+    files: dict[tuple[str, str], list[str]] = {}
+    for kind, (file, _, _) in zip(kinds, told, strict=True):
+        files.setdefault(kind, []).append(file)
+    result: dict[tuple[str, str] | int, str] = {}
+    for number, (kind, (file, place, text)) in enumerate(zip(kinds, told, strict=True)):
+        more = len(set(files[kind])) - 1
+        if more < _NAMED:
+            result[number] = f"{file}{place}: {text}"
+        else:
+            among = f", and {more} more files, the last {files[kind][-1]}"
+            result.setdefault(kind, f"{file}{place}{among}: {text}")
+    return list(result.values())
 
 
 def printable(text: str) -> str:

@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from experiments.verbs.places import require_outside
 
@@ -89,10 +89,10 @@ def identify(
     summary.show(OUT, calibration, profiles=traced, posterior=drawn)
     summary.show_influence(OUT, calibration)
     for note in read.accepted:
-        OUT.print(f"note: {note}", markup=False)
+        say(f"note: {note}")
     wrote(out / "parameters.json")
     if not fitted.fits:
-        suggest(f"scdpr check {campaign}")
+        suggest(f"scdpr check {pasted(campaign)}")
         return FELL_SHORT
-    suggest(f"scdpr frequencies {campaign} --out {out}")
+    suggest(f"scdpr frequencies {pasted(campaign)} --out {pasted(out)}")
     return DONE

@@ -3,7 +3,17 @@
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, plan_call, suggest, wrote
+from experiments.verbs.console import (
+    ERRORS,
+    OUT,
+    Folder,
+    open_call,
+    pasted,
+    plan_call,
+    say,
+    suggest,
+    wrote,
+)
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from experiments.verbs.places import require_outside
 
@@ -74,14 +84,14 @@ def calibrate(
         written = write_calibration(findings, out, pictures=pictures)
     summary.show(OUT, findings)
     for note in findings.notes:
-        OUT.print(f"note: {note}")
+        say(f"note: {note}")
     wrote(*written.paths)
-    suggest(f"open {written.report}")
+    suggest(open_call(written.report))
     if not findings.estimate.fits:
-        suggest(f"scdpr check {campaign}")
+        suggest(f"scdpr check {pasted(campaign)}")
         return FELL_SHORT
     suggest(
-        f"scdpr simulate --parameters {written.parameters} --out DIR",
+        f"scdpr simulate --parameters {pasted(written.parameters)} --out {pasted(out)}",
         plan_call(out / "tuning.json"),
     )
     return DONE

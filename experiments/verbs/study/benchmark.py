@@ -4,7 +4,7 @@ import pathlib
 from typing import Literal
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, wrote
+from experiments.verbs.console import ERRORS, OUT, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE
 
 Row = Literal[
@@ -65,6 +65,7 @@ def benchmark(
             # Every program keeps some hundred maps of memory, and a process has 65,530.
             jax.clear_caches()
     rows = tuple(report.cells(line) for line in lines)
-    print_table(OUT, Table("", report.HEADER, rows, words=(0, 1, 8)))
+    print_table(OUT, Table("", report.HEADER, rows, words=(0, 1, 8), spare=((8,), (5,), (6,))))
     wrote(*written)
+    suggest(open_call(out / "performance.md"))
     return DONE

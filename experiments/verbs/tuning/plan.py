@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, open_call, say, suggest, wrote
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import parse_position
 from experiments.verbs.starting_pose import beginning
@@ -131,7 +131,7 @@ def _one(
     status = ending(tuning, fits=not tuned.caution)
     plan_report.show(OUT, planned, compared, voltage_limit=limit, caution=tuned.caution)
     wrote(out, beside)
-    suggest(f"open {beside}")
+    suggest(open_call(beside))
     return status
 
 
@@ -155,13 +155,13 @@ def _many(
     table = out / "legs.csv"
     write_whole(table, expectations_table(names, planned))
     longer = sum(own.leg.time > own.asked_time for own in planned)
-    OUT.print(
+    say(
         f"{len(planned)} legs planned; {longer} take longer than asked for, as the drives "
         f"can't do them in that time; {sum(own.is_plain for own in planned)} are the plain "
         "profile, of which less vibration is expected.",
-        soft_wrap=True,
     )
     wrote(table)
+    suggest(open_call(table))
     return ending(tuning, fits=not tuned.caution)
 
 

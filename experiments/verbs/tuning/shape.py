@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 
 
@@ -89,7 +89,7 @@ def shape(
     write_whole(report, shaper_report.shaper_page(file, designed))
     shaper_report.show(OUT, file, designed)
     wrote(result, report)
-    suggest(f"open {report}")
+    suggest(open_call(report))
     short = most is not None and designed.recommended.residual > most
     return FELL_SHORT if short else DONE
 

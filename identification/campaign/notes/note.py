@@ -25,8 +25,13 @@ class Note:
     remedy: str
     """What can be done about it."""
 
+    @property
+    def text(self) -> str:
+        """What, cause and remedy, wherever it was seen."""
+        return f"{self.what}. {self.cause} {self.remedy}"
+
     def __str__(self) -> str:
-        return f"{self.file}: {self.what}. {self.cause} {self.remedy}"
+        return f"{self.file}: {self.text}"
 
 
 Observation = Callable[[Run, Campaign], Iterator[Note]]
