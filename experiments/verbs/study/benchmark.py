@@ -1,7 +1,9 @@
 """`scdpr benchmark`: error beside speed, for this engine and its peers."""
 
 import pathlib
-from typing import Literal
+from typing import Annotated, Literal
+
+import tyro
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, open_call, suggest, wrote
@@ -21,7 +23,7 @@ Row = Literal[
 
 def benchmark(
     out: pathlib.Path,
-    only: tuple[Row, ...] = (),
+    only: Annotated[tuple[Row, ...], tyro.conf.arg(metavar="[ROW …]")] = (),
     repeats: int = 5,
     largest_batch: int = 4096,
 ) -> int:
@@ -32,7 +34,8 @@ def benchmark(
 
     Args:
         out: Folder for performance.md and performance.json.
-        only: Rows to measure; default: all of them.
+        only: Rows to measure: forward-linear, forward-nonlinear, jacobian-linear,
+            jacobian-nonlinear, cores, fit, frequencies, cold-start; default: all of them.
         repeats: Times that a median is of.
         largest_batch: Largest batch of runs, to try it out.
     """
