@@ -79,9 +79,10 @@ def main(arguments: list[str] | None = None) -> int:
     name = verb.replace("-", "_") + "_" * keyword.iskeyword(verb)
     chosen = getattr(importlib.import_module(f"experiments.verbs.{wings[verb]}.{name}"), name)
     from experiments.verbs.console import complain
-    from experiments.verbs.help_text import described, fitted_help
+    from experiments.verbs.help_text import check_options, described, fitted_help
 
     try:
+        check_options(chosen, rest)
         asked = not {"-h", "--help"}.isdisjoint(rest)
         with fitted_help(_columns()) if asked else contextlib.nullcontext():
             return tyro.cli(described(chosen), args=rest, prog=f"scdpr {verb}")

@@ -5,11 +5,12 @@ breaks them again for the terminal, and leaves what is above the boxes to the te
 """
 
 import contextlib
+import difflib
 import functools
 import inspect
 import io
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from experiments.page.wrapping import wrapped
@@ -34,6 +35,42 @@ def described(verb: Callable[..., int]) -> Callable[..., int]:
     same.__signature__ = inspect.signature(verb)
     same.__doc__ = _joined(inspect.getdoc(verb) or "")
     return same
+
+
+def check_options(verb: Callable[..., int], arguments: Sequence[str]) -> None:
+    """Refuse an option that the verb hasn't, with the one that was meant.
+
+    Args:
+        verb: The verb.
+        arguments: What it is called with.
+
+    Raises:
+        ValueError: If an option isn't the verb's, and is near one that is.
+    """
+    known = {"--help"}
+    for name, parameter in inspect.signature(verb).parameters.items():
+        if parameter.kind is inspect.Parameter.POSITIONAL_ONLY:
+            continue
+        named = [m.name for m in getattr(parameter.annotation, "__metadata__", ()) if _names(m)]
+        option = (named or [name])[0].replace("_", "-")
+        known |= {f"--{option}", f"--no-{option}"}
+    for argument in arguments:
+        option = argument.partition("=")[0].replace("_", "-")
+        if not option.startswith("--") or option in known:
+            continue
+        options = sorted(each for each in known if not each.startswith("--no-"))
+        near = [each for each in options if option.startswith(each) or each.startswith(option)]
+        near = near or difflib.get_close_matches(option, options, n=1)
+        if near:
+            raise ValueError(
+                f"no option {argument.partition('=')[0]!r}, expected one of: "
+                f"{', '.join(options)}. Did you mean `{near[0]}`?"
+            )
+
+
+def _names(metadata: object) -> bool:
+    """Whether what annotates a parameter gives its option another name."""
+    return getattr(metadata, "name", None) is not None
 
 
 def _joined(text: str) -> str:

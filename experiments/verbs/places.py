@@ -1,6 +1,7 @@
 """Where results may be written, and where the end-effector may go."""
 
 import pathlib
+import tempfile
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -22,6 +23,58 @@ def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
             f"`--out` must be outside the campaign, got {out} inside {campaign}: a folder in "
             "a campaign is a run. Name another folder."
         )
+
+
+def require_folder(out: pathlib.Path) -> None:
+    """Refuse a folder for results that can't be written to, before anything is computed.
+
+    Args:
+        out: The folder; it needn't exist.
+
+    Raises:
+        ValueError: If it is a file, or can't be made or written to.
+    """
+    if out.exists() and not out.is_dir():
+        raise ValueError(
+            f"`--out`: got {out}, a file, expected a folder for the results. Name another one."
+        )
+    _require_writable(out)
+
+
+def require_file(out: pathlib.Path, *, name: str = "--out") -> None:
+    """Refuse a file for results that can't be written, before anything is computed.
+
+    Args:
+        out: The file; it is replaced if it exists.
+        name: The argument that names it.
+
+    Raises:
+        ValueError: If it is a folder, or can't be written.
+    """
+    if out.is_dir():
+        raise ValueError(
+            f"`{name}`: got {out}, a folder, expected a file. Name one in it, such as "
+            f"{out / 'result'}."
+        )
+    _require_writable(out.parent, name=name)
+
+
+def _require_writable(folder: pathlib.Path, *, name: str = "--out") -> None:
+    """Refuse a folder in which nothing can be made."""
+    there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    if not there.is_dir():
+        raise ValueError(
+            f"`{name}`: got {folder}, but {there} is a file, expected a folder. Name another "
+            "place."
+        )
+    try:
+        with tempfile.TemporaryFile(dir=there):
+            pass
+    except OSError as error:
+        raise ValueError(
+            f"`{name}`: nothing can be written to {there}, got {error.strerror}, expected a "
+            "folder of yours with room. Name another place."
+        ) from None
 
 
 def results_of(campaign: pathlib.Path) -> pathlib.Path:

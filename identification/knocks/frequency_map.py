@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 from identification.campaign.types import Campaign, Run
 from identification.knocks.accelerometer import accelerometer_ring_down, joined
 from identification.knocks.ring_down import RingDown, ring_down
-from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.files import regular, write_whole
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.state import X, pose
 
@@ -222,7 +222,7 @@ def read_frequencies(path: pathlib.Path) -> FrequencyMap:
     """
     path = pathlib.Path(path)
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = regular(path).read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise ValueError(
             f"{path}: byte {error.start} isn't UTF-8, expected a CSV text in UTF-8. Save the "

@@ -7,10 +7,32 @@ in another folder it might be another disk, where a move is a copy.
 """
 
 import contextlib
+import errno
 import os
 import pathlib
+import stat
 import tempfile
 from collections.abc import Iterator
+
+
+def regular(path: pathlib.Path) -> pathlib.Path:
+    """A file that can be read to its end: a pipe waits for a writer, and a device has none.
+
+    Args:
+        path: The file.
+
+    Returns:
+        The same.
+
+    Raises:
+        OSError: If it isn't there, or isn't a file.
+    """
+    kind = os.stat(path).st_mode
+    if stat.S_ISDIR(kind):
+        raise IsADirectoryError(errno.EISDIR, "a folder, not a file", str(path))
+    if not stat.S_ISREG(kind):
+        raise OSError(errno.EINVAL, "a pipe or a device, which has no end", str(path))
+    return pathlib.Path(path)
 
 
 def write_whole(path: pathlib.Path, text: str) -> None:

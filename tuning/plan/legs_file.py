@@ -6,6 +6,7 @@ import math
 import pathlib
 from collections.abc import Sequence
 
+from scdpr_jax.numerics.files import regular
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.planning import Planned, Wanted
 
@@ -31,7 +32,7 @@ def read_legs(path: pathlib.Path, robot: Robot) -> list[Wanted]:
         ValueError: If it isn't such a table; says where.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = regular(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise ValueError(
             f"{path}: can't be read ({error}), expected a table of legs with the columns "

@@ -6,7 +6,7 @@ import pathlib
 
 import numpy as np
 
-from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.files import regular, write_whole
 from tuning.plan.plan import Plan
 
 COLUMNS = (
@@ -69,7 +69,7 @@ def read_plan(path: pathlib.Path) -> Plan:
     """
     path = pathlib.Path(path)
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = regular(path).read_text(encoding="utf-8").splitlines()
     except OSError as error:
         raise ValueError(
             f"{path}: can't be read, got {error.strerror}, expected a plan.csv. Run "

@@ -5,6 +5,8 @@ import dataclasses
 import pathlib
 import re
 
+from scdpr_jax.numerics.files import regular
+
 EXPECTED = "a header such as 'freq,psd_x,psd_y,psd_z,psd_xyz' and a row of numbers per bin"
 """What such a file holds, for messages."""
 _SHOWN = 60  # characters of a line in a message
@@ -64,7 +66,7 @@ def read_table(path: pathlib.Path) -> SpectrumTable:
 
 def _text(path: pathlib.Path) -> str:
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return regular(path).read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise ValueError(
             f"{path}: byte {error.start} isn't UTF-8, got another kind of file, expected "

@@ -8,6 +8,7 @@ import tyro
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, pasted, suggest, wrote
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import require_file
 
 
 def design(
@@ -38,6 +39,7 @@ def design(
         top_speed: Largest speed of the end-effector in either direction.
         seed: Of the robots that are drawn.
     """
+    require_file(out)
     set_up()
     import jax
 

@@ -5,7 +5,7 @@ import pathlib
 from experiments.runtime import set_up
 from experiments.verbs.console import OUT, Folder, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE
-from experiments.verbs.places import require_outside
+from experiments.verbs.places import require_folder, require_outside
 
 
 def frequencies(
@@ -28,6 +28,7 @@ def frequencies(
     from identification.campaign import read_campaign
 
     require_outside(out, campaign)
+    require_folder(out)
     read = examined(
         read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="frequencies"
     )

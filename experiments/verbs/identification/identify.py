@@ -5,7 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
-from experiments.verbs.places import require_outside
+from experiments.verbs.places import require_folder, require_outside
 
 
 def identify(
@@ -49,14 +49,17 @@ def identify(
     """
     # What is wrong with the input is said before anything heavy is imported.
     from experiments.verbs.log_doctor import examined
+    from experiments.verbs.names import free_quantities, run_names
     from identification.campaign import read_campaign
 
     require_outside(out, campaign)
+    require_folder(out)
     read = examined(
         read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="identify"
     )
     if read is None:
         return BAD_INPUT
+    held_out = run_names(read, hold_out)
     set_up()
     from experiments.reports import summary
     from experiments.studies.findings.findings import findings
@@ -73,8 +76,8 @@ def identify(
     if posterior:
         require_numpyro()
     options = FitOptions(
-        free=free or DEFAULT_FREE,
-        hold_out=hold_out,
+        free=free_quantities(free) or DEFAULT_FREE,
+        hold_out=held_out,
         measured=tuple(map(parse_measured, measured)),
         clock_drifts=camera_drifts,
     )

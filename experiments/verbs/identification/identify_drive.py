@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up
 from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import require_folder
 
 
 def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: int = 0) -> int:
@@ -17,6 +18,7 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
         out: Folder for parameters.json and report.html.
         delay_samples: Samples by which the logged voltage acts late.
     """
+    require_folder(out)
     set_up()
     from experiments.reports import report, summary
     from identification.axis.law import axis_laws

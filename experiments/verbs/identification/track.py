@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from experiments.runtime import shown_progress
 from experiments.verbs.console import ERRORS, Folder, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import require_file
 
 if TYPE_CHECKING:
     from identification.vision.tracking import Tracked
@@ -38,6 +39,10 @@ def track(
             "`--out` is missing, expected a file like camera.csv; or --propose VISION.toml to "
             "begin with a video."
         )
+    require_file(out)
+    for name, path in (("--json", json), ("--overlay", overlay)):
+        if path is not None:
+            require_file(path, name=name)
     from identification.vision.camera_file import write_camera, write_summary
     from identification.vision.overlay import write_overlay
     from identification.vision.settings import read_vision

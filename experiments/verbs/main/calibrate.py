@@ -15,7 +15,7 @@ from experiments.verbs.console import (
     wrote,
 )
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
-from experiments.verbs.places import require_outside
+from experiments.verbs.places import require_folder, require_outside
 
 
 def calibrate(
@@ -51,15 +51,19 @@ def calibrate(
     """
     # What is wrong with the input is said before anything heavy is imported.
     from experiments.verbs.log_doctor import examined
+    from experiments.verbs.names import free_quantities, run_names
     from identification.campaign import read_campaign
 
     require_outside(out, campaign)
+    require_folder(out)
     read = examined(
         read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="calibrate"
     )
     if read is None:
         return BAD_INPUT
+    held_out = None if hold_out is None else run_names(read, hold_out)
     set_up()
+    freed = free_quantities(free)
     from experiments.page.drawing import drawing_aside
     from experiments.reports import summary
     from experiments.reports.report import FitPictures
@@ -72,8 +76,8 @@ def calibrate(
         pictures = FitPictures(read, draw=draw)
         findings = pipeline.calibrate(
             read,
-            free=free or None,
-            hold_out=hold_out,
+            free=freed or None,
+            hold_out=held_out,
             measured=otherwise,
             clock_drifts=camera_drifts,
             force=force,

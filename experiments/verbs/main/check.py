@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from experiments.verbs.console import OUT, Folder, complain, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
-from experiments.verbs.places import require_outside, results_of
+from experiments.verbs.places import require_file, require_folder, require_outside, results_of
 
 if TYPE_CHECKING:
     from identification.campaign import RunSummary
@@ -34,8 +34,11 @@ def check(
     from identification.doctor.findings import from_fault
     from identification.doctor.mend import mend as write_mended
 
+    if json is not None:
+        require_file(json, name="--json")
     if mend is not None:
         require_outside(mend, campaign)
+        require_folder(mend)
     read = check_campaign(campaign)
     findings = () if read.campaign is None else examine(read.campaign)
     _print_runs(read.runs)
@@ -91,4 +94,5 @@ def _print_runs(runs: "Sequence[RunSummary]") -> None:
             )
         )
     header = ("run", "kind", "pretension", "duration", "rows", "frames")
-    print_table(OUT, Table("", header, tuple(rows), words=(0, 1), spare=((4,), (5,))))
+    if rows:
+        print_table(OUT, Table("", header, tuple(rows), words=(0, 1), spare=((4,), (5,))))

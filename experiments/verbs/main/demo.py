@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, open_call, pasted, plan_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import require_folder
 
 
 def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
@@ -14,6 +15,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         out: Folder for the campaign and the results.
         seed: Seed of the robot, its start poses and its noise.
     """
+    require_folder(out)
     set_up()
     from experiments.page.drawing import drawing_aside
     from experiments.reports import summary

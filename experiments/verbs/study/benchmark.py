@@ -8,6 +8,7 @@ import tyro
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE
+from experiments.verbs.places import require_folder
 
 Row = Literal[
     "forward-linear",
@@ -44,6 +45,7 @@ def benchmark(
             "`--repeats` and `--largest-batch` must be 1 or more [1], got "
             f"{repeats} and {largest_batch}. Leave them out for 5 and 4096."
         )
+    require_folder(out)
     set_up()
     import jax
 

@@ -8,6 +8,7 @@ import tyro
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, open_call, say, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import require_folder
 
 
 def reproduce(
@@ -25,6 +26,7 @@ def reproduce(
         out: Folder for report.html and claims.csv.
         png: Write every figure as a PNG file of its own, too.
     """
+    require_folder(out)
     set_up()
     from experiments.paper import report
     from experiments.paper.catalogue import chosen

@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up
 from experiments.verbs.console import ERRORS, pasted, plan_call, say, suggest, wrote
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import require_folder
 
 
 def simulate(
@@ -25,6 +26,7 @@ def simulate(
         setting: Nominal pretension, "350 N"; default: the first of the parameters.
         tuning: tuning.json for its gains and shaper; default: the PD of Eq. (25) alone.
     """
+    require_folder(out)
     set_up()
     from experiments.studies import simulated_run
     from identification.campaign.quantities import parse_quantity

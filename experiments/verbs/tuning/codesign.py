@@ -6,6 +6,7 @@ from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import FELL_SHORT
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import require_folder
 
 
 def codesign(
@@ -38,6 +39,7 @@ def codesign(
         seed: Of the samples.
         force: Design for parameters whose fit has failed, too; every file is marked.
     """
+    require_folder(out)
     set_up()
     from experiments.reports import codesign_report
     from experiments.studies.codesign_run import design, parse_grid

@@ -8,7 +8,7 @@ import tyro
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, open_call, say, suggest, wrote
 from experiments.verbs.failed_fit import ending
-from experiments.verbs.places import parse_position
+from experiments.verbs.places import parse_position, require_file, require_folder
 from experiments.verbs.starting_pose import beginning
 
 if TYPE_CHECKING:
@@ -53,12 +53,15 @@ def plan(
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
         force: Plan with a tuning whose fit has failed, too; the plan is marked.
     """
+    if legs is None:
+        require_file(out)
+        require_file(_page_beside(out))
+    else:
+        require_folder(out)
     set_up()
     from identification.campaign.quantities import parse_quantity
     from tuning.result.document import read_tuning
 
-    if legs is None:
-        _page_beside(out)
     tuned = read_tuning(tuning)
     if tuned.caution and not force:
         raise ValueError(f"{tuning}: {tuned.caution} `--force` plans all the same.")

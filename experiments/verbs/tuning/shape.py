@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import require_folder
 
 
 def shape(
@@ -37,6 +38,7 @@ def shape(
             they are if the header has columns of shapers, such as mzv(48.4).
         lowest: Frequencies below this are left out.
     """
+    require_folder(out)
     set_up()
     from experiments.reports import shaper_report
     from identification.bring.acceleration import read_acceleration
@@ -99,6 +101,11 @@ def _positive(text: str | None, *, unit: str, name: str) -> float | None:
 
     if text is None:
         return None
+    if unit == "s" and _is_number(text):
+        raise ValueError(
+            f"`{name}`: a number without its unit, got {text!r}, expected a time [s]. Write it "
+            f'like "{text} ms" or "{float(text) / 1e3:g} s".'
+        )
     value = parse_quantity(text, unit=unit, name=name)
     if not value > 0:
         raise ValueError(
@@ -106,3 +113,11 @@ def _positive(text: str | None, *, unit: str, name: str) -> float | None:
             "recommended shaper."
         )
     return value
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

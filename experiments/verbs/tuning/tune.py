@@ -5,6 +5,7 @@ import pathlib
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, pasted, plan_call, suggest, wrote
 from experiments.verbs.failed_fit import ending
+from experiments.verbs.places import require_folder
 
 
 def tune(
@@ -22,6 +23,7 @@ def tune(
             and for MATLAB.
         force: Tune for parameters whose fit has failed, too; every file is marked.
     """
+    require_folder(out)
     set_up()
     from experiments.reports import summary
     from experiments.reports.written_files import write_tuned

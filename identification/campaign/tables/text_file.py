@@ -4,6 +4,7 @@ import dataclasses
 from pathlib import Path
 
 from identification.campaign.faults import Fault
+from scdpr_jax.numerics.files import regular
 
 
 def read_text(path: Path) -> tuple[str, Fault | None]:
@@ -16,7 +17,7 @@ def read_text(path: Path) -> tuple[str, Fault | None]:
         The text, without a byte order mark; and the fault if there is none to be read.
     """
     try:
-        content = path.read_bytes()
+        content = regular(path).read_bytes()
     except FileNotFoundError:
         return "", Fault(
             what="the file is missing",
@@ -29,7 +30,7 @@ def read_text(path: Path) -> tuple[str, Fault | None]:
             what="the file can't be read",
             got=f"{error.strerror}",
             expected="a readable text file",
-            remedy="Check what it is and its permissions.",
+            remedy="Check what it is and its permissions; copy the log itself there.",
         )
     binary = Fault(
         what="not text in UTF-8",

@@ -10,6 +10,7 @@ from jaxtyping import Float32, Float64, UInt8
 from identification.vision.lens.lateral import blue_less_red
 from identification.vision.lens.lens import Lens
 from identification.vision.pictures.opencv import opencv
+from scdpr_jax.numerics.files import regular
 from scdpr_jax.numerics.progress import SILENT, Progress
 
 MOST_RMS = 0.3
@@ -80,7 +81,7 @@ def calibrate(
 
 def _picture(photo: Path, size: tuple[int, int]) -> UInt8[np.ndarray, "height width 3"]:
     cv2 = opencv()
-    content = np.frombuffer(photo.read_bytes(), np.uint8)
+    content = np.frombuffer(regular(photo).read_bytes(), np.uint8)
     picture = cv2.imdecode(content, cv2.IMREAD_COLOR) if len(content) else None
     if picture is None:
         raise ValueError(

@@ -5,6 +5,7 @@ import dataclasses
 from pathlib import Path
 
 from identification.campaign.faults import Fault
+from scdpr_jax.numerics.files import regular
 
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -39,7 +40,7 @@ def read_text(path: Path, encoding: str | None) -> tuple[str, str, Fault | None]
         The text; how it was found to be written, empty where it is UTF-8 or as stated; the
         fault where there is no text.
     """
-    with path.open("rb") as file:
+    with regular(path).open("rb") as file:
         head = file.read(_HEAD)
         if not head.strip(b"\0"):
             return "", "", _no_text(path, "nothing" if not head else "zero bytes")
