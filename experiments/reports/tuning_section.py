@@ -33,6 +33,8 @@ from tuning.result.prediction import Metrics, Prediction
 from tuning.result.regional_shaper import RegionalShaper
 from tuning.result.tuning import Tuning
 
+_SPARE = (("band [Hz]",), ("kind",), ("left, nominal", "worst"), ("from",), ("left of legs",))
+"""What of a shaper a narrow terminal can do without: a file and a figure have it."""
 _TOGETHER = 4
 """Shapers in one figure: more lines can't be told apart."""
 
@@ -99,7 +101,7 @@ def tuning_tables(tuning: Tuning) -> tuple[Table, ...]:
     shapers = map(_shaper, tuning.shapers)
     tables = (
         _gains(tuning),
-        table_of("Shapers, for legs that end in the region", shapers),
+        table_of("Shapers, for legs that end in the region", shapers, spare=_SPARE),
         _legs(tuning),
         _predicted(tuning),
     )
@@ -136,7 +138,7 @@ def _shaper(regional: RegionalShaper) -> dict[str, str]:
         "from": "knock" if regional.measured else "model",
         "kind": regional.kind or "–",
         "left of legs": "–" if regional.share is None else percent(regional.share),
-        "times [ms]": ", ".join(short(1e3 * float(time), 3) for time in times),
+        "times [ms]": ", ".join(plain(1e3 * float(time), 3) for time in times),
         "amplitudes [1]": ", ".join(short(float(share), 3) for share in amplitudes),
         "left, nominal": percent(regional.residual_vibration.nominal),
         "worst": percent(regional.residual_vibration.worst),

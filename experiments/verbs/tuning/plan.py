@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, open_call, say, suggest, wrote
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import parse_position, try_out
 from experiments.verbs.starting_pose import beginning
@@ -53,11 +53,11 @@ def plan(
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
         force: Plan with a tuning whose fit has failed, too; the plan is marked.
     """
+    try_out(*((out, _page_beside(out)) if legs is None else (out / "legs.csv",)))
     set_up()
     from identification.campaign.quantities import parse_quantity
     from tuning.result.document import read_tuning
 
-    try_out(*((out, _page_beside(out)) if legs is None else (out / "legs.csv",)))
     tuned = read_tuning(tuning)
     if tuned.caution and not force:
         raise ValueError(f"{tuning}: {tuned.caution} `--force` plans all the same.")
@@ -97,7 +97,7 @@ def _one(
 ) -> int:
     """A leg with the page that shows it."""
     from experiments.reports import plan_report
-    from experiments.studies.planned_leg import compare
+    from experiments.studies.legs.planned_leg import compare
     from scdpr_jax.numerics.files import write_whole
     from tuning.plan.plan_file import write_plan
     from tuning.plan.planning import plan_leg
@@ -130,7 +130,7 @@ def _one(
     status = ending(tuning, fits=not tuned.caution)
     plan_report.show(OUT, planned, compared, voltage_limit=limit, caution=tuned.caution)
     wrote(out, beside)
-    suggest(f"open {beside}")
+    suggest(open_call(beside))
     return status
 
 
@@ -154,13 +154,13 @@ def _many(
     table = out / "legs.csv"
     write_whole(table, expectations_table(names, planned))
     longer = sum(own.leg.time > own.asked_time for own in planned)
-    OUT.print(
+    say(
         f"{len(planned)} legs planned; {longer} take longer than asked for, as the drives "
         f"can't do them in that time; {sum(own.is_plain for own in planned)} are the plain "
         "profile, of which less vibration is expected.",
-        soft_wrap=True,
     )
     wrote(table)
+    suggest(open_call(table))
     return ending(tuning, fits=not tuned.caution)
 
 

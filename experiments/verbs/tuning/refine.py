@@ -36,7 +36,7 @@ def refine(
     set_up()
     from experiments.page.console_text import print_table
     from experiments.reports.written_files import write_tuned
-    from experiments.studies.logged_legs import logged_legs, read_runs
+    from experiments.studies.legs.logged_legs import logged_legs, read_runs
     from tuning.refine.refine import refine as corrected
     from tuning.result.document import read_tuning
 

@@ -1,0 +1,1 @@
+"""Legs as they are planned, compared and logged."""
