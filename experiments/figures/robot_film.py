@@ -56,18 +56,18 @@ def robot_film(robot: Robot, track: Track, *, name: str, ghost: Track | None = N
     Returns:
         HTML without a script.
     """
-    frame = _Frame(robot)
+    frame = RobotShapes(robot)
     last = float(track.time[-1])
     count = int(np.clip(_RATE * (last - float(track.time[0])), 2, _MOST))
     instants = np.linspace(float(track.time[0]), last, count)
     spoken = html.escape(_spoken(track, frame), quote=True)
     rules, shapes = [], []
     if ghost is not None:
-        own = _at(ghost, instants)
-        rules.append(_rule(f"{name}-ghost", [frame.body_transform(q) for q in own]))
+        own = poses_at(ghost, instants)
+        rules.append(keyframes(f"{name}-ghost", [frame.body_transform(q) for q in own]))
         shapes.append(frame.ghost(f' id="{name}-ghost"'))
-    for identifier, shape, transforms in frame.moving(_at(track, instants)):
-        rules.append(_rule(f"{name}-{identifier}", transforms))
+    for identifier, shape, transforms in frame.moving(poses_at(track, instants)):
+        rules.append(keyframes(f"{name}-{identifier}", transforms))
         shapes.append(shape.format(attributes=f' id="{name}-{identifier}"'))
     seconds = last - float(track.time[0])
     style = "\n".join(rules) + (
@@ -85,13 +85,30 @@ def robot_film(robot: Robot, track: Track, *, name: str, ghost: Track | None = N
     return Markup(film + f'<div class="strip">{poses}</div>')
 
 
-def _at(track: Track, instants: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 5"]:
+def poses_at(track: Track, instants: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 5"]:
+    """Poses of a motion at some instants.
+
+    Args:
+        track: The motion.
+        instants: The instants [s].
+
+    Returns:
+        Coordinates, as in `Track.position`.
+    """
     columns = [np.interp(instants, track.time, column) for column in track.position.T]
     return np.stack(columns, axis=1)
 
 
-def _rule(identifier: str, transforms: Sequence[str]) -> str:
-    """Keyframes of one moving part."""
+def keyframes(identifier: str, transforms: Sequence[str]) -> str:
+    """The rule that moves one part of a drawing.
+
+    Args:
+        identifier: The part's identifier, which its animation has as its name.
+        transforms: Where it is, at equal intervals of time.
+
+    Returns:
+        CSS. Without motion the part is where it begins.
+    """
     step = 100 / (len(transforms) - 1)
     frames = " ".join(
         f"{place * step:.4g}%{{transform:{transform}}}"
@@ -103,7 +120,7 @@ def _rule(identifier: str, transforms: Sequence[str]) -> str:
     )
 
 
-def _spoken(track: Track, frame: "_Frame") -> str:
+def _spoken(track: Track, frame: "RobotShapes") -> str:
     """What is to be seen of a motion."""
     x, tilt = track.position[:, 0], np.degrees(track.position[:, 1])
     apart = 1e3 * float(np.abs(track.position[:, 2] - track.position[:, 3]).max())
@@ -114,7 +131,7 @@ def _spoken(track: Track, frame: "_Frame") -> str:
     )
 
 
-def _trace(track: Track, frame: "_Frame") -> str:
+def _trace(track: Track, frame: "RobotShapes") -> str:
     kept = np.linspace(0, len(track.position) - 1, 200).astype(int)
     points = " ".join(
         f"{1e3 * x:.0f},{frame.height - 1e3 * y:.0f}"
@@ -126,9 +143,9 @@ def _trace(track: Track, frame: "_Frame") -> str:
     )
 
 
-def _pose(track: Track, frame: "_Frame", instant: float) -> str:
+def _pose(track: Track, frame: "RobotShapes", instant: float) -> str:
     """The robot at an instant, standing still."""
-    position = _at(track, np.array([instant]))
+    position = poses_at(track, np.array([instant]))
     shapes = "".join(
         shape.format(attributes=f' style="transform: {transforms[0]}"')
         for _, shape, transforms in frame.moving(position)
@@ -142,10 +159,15 @@ def _pose(track: Track, frame: "_Frame", instant: float) -> str:
     )
 
 
-class _Frame:
+class RobotShapes:
     """A robot's shapes in millimetres, downwards positive, as a drawing has them."""
 
     def __init__(self, robot: Robot) -> None:
+        """Shapes of a robot.
+
+        Args:
+            robot: The robot.
+        """
         self.robot = robot
         self.width = 1e3 * float(robot.frame.width)
         self.height = 1e3 * float(robot.frame.height)
@@ -167,14 +189,28 @@ class _Frame:
         )
 
     def body_transform(self, position: Float[np.ndarray, "5"]) -> str:
-        """Where the end-effector is."""
+        """Where the end-effector is.
+
+        Args:
+            position: Coordinates, as in `Track.position`.
+
+        Returns:
+            A CSS transform.
+        """
         x, tilt, _, _, y = position
         return (
             f"translate({1e3 * x:.1f}px,{self.height - 1e3 * y:.1f}px) rotate({-tilt:.4f}rad)"
         )
 
     def ghost(self, attributes: str) -> str:
-        """The outline of an end-effector."""
+        """The outline of an end-effector.
+
+        Args:
+            attributes: Its attributes.
+
+        Returns:
+            SVG.
+        """
         return (
             f'<path{attributes} d="{self._body()}" style="fill: none; stroke: var(--d-red); '
             'stroke-width: 2; stroke-dasharray: 5 3" vector-effect="non-scaling-stroke"/>'
@@ -183,7 +219,15 @@ class _Frame:
     def moving(
         self, positions: Float[np.ndarray, "n 5"]
     ) -> Iterator[tuple[str, str, list[str]]]:
-        """The moving parts: identifier, shape with room for attributes, transforms."""
+        """The moving parts.
+
+        Args:
+            positions: Coordinates at some instants.
+
+        Yields:
+            Of each part its identifier, its shape with room for attributes, and a transform for
+            each instant.
+        """
         loops = [cable_loop(self.robot, position) for position in positions]
         for path, colour in _CABLES:
             for side in (0, 1):
