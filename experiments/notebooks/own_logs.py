@@ -1,4 +1,4 @@
-"""What do my logs tell? From reading a campaign to a verdict on its fit; also a plain script."""
+"""What do my logs tell? From reading them to a verdict on their fit; also a plain script."""
 
 import marimo
 

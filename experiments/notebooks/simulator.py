@@ -1,4 +1,4 @@
-"""What does the robot do, and what changes it? The simulator and its gradients, also a script."""
+"""What does the robot do, and what changes it? The simulator and its gradients; a script."""
 
 import marimo
 
@@ -140,7 +140,7 @@ def _(NAMES, chosen, jax, jnp, np, plt, run, time):
 
 @app.cell
 def _(apart, jax, jnp, mo, np, robot_of, scdpr):
-    # A thousand robots at once: the natural frequency over the workspace, and what T does to it.
+    # A thousand robots at once: what the tension does to the natural frequency.
     tensions = jnp.linspace(60.0, 200.0, 1000)
     lowest = jax.jit(
         jax.vmap(

@@ -75,6 +75,7 @@ def _(mo, planned):
         return f"{vibration[0]:.2f} | {vibration.max():.2f} | {rest[0]:.2f} | {rest.max():.2f}"
 
     longer = planned.leg.time > planned.asked_time + 1e-9
+    why = ", longer than asked for: the drives can't sooner" if longer else ""
     mo.md(
         f"""
 ## What is expected of it
@@ -84,7 +85,7 @@ def _(mo, planned):
 | plain profile | {shown(planned.plain)} |
 | planned | {shown(planned.expected)} |
 
-In {planned.plan.time[-1]:.2f} s{", longer than asked for: the drives can't sooner" if longer else ""}.
+In {planned.plan.time[-1]:.2f} s{why}.
 The worst is that of robots with 3 % more and less tension, 20 % more and less friction, and
 starts out of line.
 """
