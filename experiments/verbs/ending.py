@@ -14,7 +14,7 @@ import sys
 import threading
 from typing import NoReturn
 
-from experiments.verbs.exit_status import UNHEARD
+from experiments.verbs.exit_status import BAD_INPUT, UNHEARD
 
 _WORDS = {"SIGINT": "stopped", "SIGTERM": "terminated", "SIGHUP": "its terminal is gone"}
 _GOES_ON = {"sweep": " The same call goes on from here."}
@@ -59,6 +59,9 @@ def leave(status: int) -> NoReturn:
                 stream.flush()
     except BrokenPipeError:
         status = UNHEARD
+    except OSError as error:
+        _say(f"scdpr: the output can't be written, got {error.strerror}. Make room for it.")
+        status = BAD_INPUT
     os._exit(status)
 
 

@@ -40,7 +40,7 @@ class Fault:
     @property
     def where(self) -> str:
         """File, row, and column or key, as far as there are any."""
-        parts = [self.file]
+        parts = [shortened(self.file)]
         if self.row is not None:
             parts.append(f"row {self.row}")
         if self.column:
@@ -50,12 +50,13 @@ class Fault:
         return ", ".join(parts)
 
     def __str__(self) -> str:
-        parts = [self.what]
+        parts = [shortened(self.what)]
         if self.got:
             parts.append(f"got {shortened(self.got)}")
         if self.expected:
-            parts.append(f"expected {self.expected}")
-        return printable(f"{self.where}: {', '.join(parts)}. {self.remedy}")
+            parts.append(f"expected {shortened(self.expected)}")
+        # A remedy may be a line of MATLAB, which is to be pasted whole.
+        return printable(f"{self.where}: {', '.join(parts)}. {shortened(self.remedy, 600)}")
 
 
 def fault_of(error: FileError, *, file: str = "") -> Fault:

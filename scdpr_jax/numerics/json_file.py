@@ -6,7 +6,7 @@ from typing import TypeVar
 import pydantic
 
 from scdpr_jax.numerics.files.given import RESULT, read_given
-from scdpr_jax.numerics.files.harmless import represented
+from scdpr_jax.numerics.files.harmless import printable, represented, shortened
 
 
 class JsonObject(pydantic.BaseModel, strict=True, allow_inf_nan=False):
@@ -46,7 +46,9 @@ def read_json(path: pathlib.Path, model: type[_Model], *, expected: str, verb: s
     except pydantic.ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"]) or "the file"
+        got = first["input"] if isinstance(first["input"], str) else represented(first["input"])
         raise ValueError(
-            f"{path}: {where} is wrong, got {represented(first['input'], 60)}: {first['msg']}. "
+            f"{path}: {shortened(printable(where), 80)} is wrong, got {represented(got, 60)}: "
+            f"{first['msg']}. "
             f"Expected what `scdpr {verb}` writes; write it anew."
         ) from None
