@@ -60,6 +60,8 @@ def main(arguments: list[str] | None = None) -> int:
         status = _run(sys.argv[1:])
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else DONE
+    except OSError as error:  # of the help itself
+        status = _told("", _unusable(error), BAD_INPUT)
     return leave(status)
 
 
@@ -116,7 +118,7 @@ def _told(verb: str, what: object, status: int) -> int:
     """The status, once it is said why."""
     from scdpr_jax.numerics.files.harmless import message
 
-    print(message(f"scdpr {verb}: {what}"), file=sys.stderr)
+    print(message(f"{f'scdpr {verb}'.strip()}: {what}"), file=sys.stderr)
     return status
 
 

@@ -40,6 +40,7 @@ def sweep(
         setting: Nominal pretension, "350 N"; default: the first of the parameters.
         precision: Of the numbers; single is enough for maps and takes half the memory.
     """
+    try_out(out)
     set_up(double=precision == "double", all_cores=True)
     from experiments.sweep.axes import parse_axes
     from experiments.sweep.measures import MEASURES
@@ -49,7 +50,6 @@ def sweep(
     chosen = next(m for m in MEASURES if m.name == measure)
     axes = parse_axes(over, chosen.known)
     robot, fits = _robot(parameters, setting)
-    try_out(out)
     with shown_progress(ERRORS) as progress:
         dataset = run_sweep(chosen, axes, robot, out, progress=progress)
     status = DONE if parameters is None else ending(parameters, fits=fits)

@@ -53,11 +53,11 @@ def plan(
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
         force: Plan with a tuning whose fit has failed, too; the plan is marked.
     """
+    try_out(*((out, _page_beside(out)) if legs is None else (out / "legs.csv",)))
     set_up()
     from identification.campaign.quantities import parse_quantity
     from tuning.result.document import read_tuning
 
-    try_out(*((out, _page_beside(out)) if legs is None else (out / "legs.csv",)))
     tuned = read_tuning(tuning)
     if tuned.caution and not force:
         raise ValueError(f"{tuning}: {tuned.caution} `--force` plans all the same.")
