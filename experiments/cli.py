@@ -3,6 +3,7 @@
 import gc
 import io
 import os
+import signal
 import sys
 
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT, STOPPED, UNHEARD
@@ -48,10 +49,14 @@ def main(arguments: list[str] | None = None) -> int:
     """
     if arguments is not None:
         return _run(arguments)
-    # The process is this command's alone.
+    # The process is this command's alone. Ctrl-C waits until there is somebody who heeds it.
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     from experiments.verbs.ending import end_on_signals, leave
 
     end_on_signals(next(iter(sys.argv[1:]), ""))
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     for stream in (sys.stdout, sys.stderr):
         # A name that the terminal's encoding hasn't is written out, as in `ls`.
         if isinstance(stream, io.TextIOWrapper):
