@@ -5,6 +5,7 @@ import gc
 import io
 import os
 import shutil
+import signal
 import sys
 
 from experiments.page.wrapping import wrapped
@@ -52,10 +53,14 @@ def main(arguments: list[str] | None = None) -> int:
     """
     if arguments is not None:
         return _run(arguments)
-    # The process is this command's alone.
+    # The process is this command's alone. Ctrl-C waits until there is somebody who heeds it.
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     from experiments.verbs.ending import end_on_signals, leave
 
     end_on_signals(next(iter(sys.argv[1:]), ""))
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     for stream in (sys.stdout, sys.stderr):
         # A name that the terminal's encoding hasn't is written out, as in `ls`.
         if isinstance(stream, io.TextIOWrapper):
@@ -64,6 +69,8 @@ def main(arguments: list[str] | None = None) -> int:
         status = _run(sys.argv[1:])
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else DONE
+    except OSError as error:  # of the help itself
+        status = _told("", _unusable(error), BAD_INPUT)
     return leave(status)
 
 
@@ -126,7 +133,7 @@ def _told(verb: str, what: object, status: int) -> int:
     from experiments.verbs.console import complain
     from scdpr_jax.numerics.files.harmless import message
 
-    complain(message(f"scdpr {verb}: {what}"))
+    complain(message(f"{f'scdpr {verb}'.strip()}: {what}"))
     return status
 
 

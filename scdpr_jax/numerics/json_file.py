@@ -5,9 +5,10 @@ import pathlib
 from typing import Any, TypeVar
 
 import pydantic
+import pydantic_core
 
 from scdpr_jax.numerics.files.given import RESULT, read_given
-from scdpr_jax.numerics.files.harmless import represented
+from scdpr_jax.numerics.files.harmless import printable, represented, shortened
 
 
 class JsonObject(pydantic.BaseModel, strict=True, allow_inf_nan=False):
@@ -69,12 +70,13 @@ def _fault(content: bytes, first: dict[str, Any], expected: str) -> str:
         return f"the file is empty, expected {expected}."
     if first["type"] == "json_invalid":
         return _not_json(content, expected)
-    there = json.loads(content)
+    there = pydantic_core.from_json(content)
     keys = set(there) if isinstance(there, dict) else set()
     for marks, name in _WRITTEN:
         if marks <= keys and name.split(",")[0] != expected:
             return f"this is {name}, expected {expected}."
     where = ".".join(str(part) for part in first["loc"]) or "the file"
+    where = shortened(printable(where), 80)
     if first["type"] == "missing":
         return f"{where} is missing, expected {expected}."
     got = represented(first["input"], 60)
@@ -95,4 +97,6 @@ def _not_json(content: bytes, expected: str) -> str:
         return f"it isn't JSON, expected {expected}: row {error.lineno}, got {line.strip()!r}."
     except UnicodeDecodeError as error:
         return f"it isn't text, got the byte 0x{content[error.start]:02x}, expected {expected}."
+    except (RecursionError, ValueError):
+        return f"it is nested too deeply, or has a number too long, expected {expected}."
     return f"it isn't JSON as the verbs write it, expected {expected}."

@@ -18,6 +18,7 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
         out: Folder for parameters.json and report.html.
         delay_samples: Samples by which the logged voltage acts late.
     """
+    try_out(out / "parameters.json")
     set_up()
     from experiments.reports import report, summary
     from identification.axis.law import axis_laws
@@ -25,7 +26,6 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     from identification.campaign.quantities import QuantityError, parse_quantity
     from identification.result.axis_file import write_axis_parameters
 
-    try_out(out / "parameters.json")
     read = read_axis_log(log)
     unit = "N m/V" if read.is_rotary else "N/V"
     try:

@@ -26,6 +26,7 @@ def simulate(
         setting: Nominal pretension, "350 N"; default: the first of the parameters.
         tuning: tuning.json for its gains and shaper; default: the PD of Eq. (25) alone.
     """
+    try_out(out / "simulation.csv")
     set_up()
     from experiments.studies import simulated_run
     from identification.campaign.quantities import parse_quantity
@@ -33,7 +34,6 @@ def simulate(
     from scdpr_jax.numerics.files import write_whole
     from tuning.result.document import read_tuning
 
-    try_out(out / "simulation.csv")
     fitted = read_parameters(parameters)
     label = setting or (fitted.settings[0] if fitted.settings else "0 N")
     pretension = parse_quantity(label, unit="N", name="--setting")

@@ -39,6 +39,7 @@ def codesign(
         seed: Of the samples.
         force: Design for parameters whose fit has failed, too; every file is marked.
     """
+    try_out(out / "codesign.json")
     set_up()
     from experiments.reports import codesign_report
     from experiments.studies.codesign_run import design, parse_grid
@@ -50,7 +51,6 @@ def codesign(
     from tuning.loop.worst_margins import margin_map
     from tuning.result.tuning import CAUTION
 
-    try_out(out / "codesign.json")
     fitted = read_parameters(parameters)
     caution = "" if fitted.fits else CAUTION
     if caution and not force:

@@ -38,6 +38,7 @@ def shape(
             they are if the header has columns of shapers, such as mzv(48.4).
         lowest: Frequencies below this are left out.
     """
+    try_out(out / "shaper.json")
     set_up()
     from experiments.reports import shaper_report
     from identification.bring.acceleration import read_acceleration
@@ -61,7 +62,6 @@ def shape(
             "Leave it out for as few as leave hardly more."
         )
     least = parse_quantity(lowest, unit="Hz", name="--lowest")
-    try_out(out / "shaper.json")
     recording = None if column else read_acceleration(spectrum)
     if recording is None:
         file = read_spectrum(

@@ -23,6 +23,7 @@ def tune(
             and for MATLAB.
         force: Tune for parameters whose fit has failed, too; every file is marked.
     """
+    try_out(out / "tuning.json")
     set_up()
     from experiments.reports import summary
     from experiments.reports.written_files import write_tuned
@@ -31,7 +32,6 @@ def tune(
     from identification.result.parameters_file import read_parameters
     from tuning.gains.tune import tune as design
 
-    try_out(out / "tuning.json")
     fitted = read_parameters(parameters)
     measured = read_frequencies(frequencies)
     with shown_progress(ERRORS) as progress:
