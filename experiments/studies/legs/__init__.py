@@ -1,0 +1,1 @@
+"""Plans of many legs, shared out: `scdpr plan --legs`."""
