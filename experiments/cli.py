@@ -1,10 +1,13 @@
 """The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
 
+import contextlib
 import gc
 import io
 import os
+import shutil
 import sys
 
+from experiments.page.wrapping import wrapped
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT, STOPPED, UNHEARD
 
 VERBS: dict[str, dict[str, str]] = {
@@ -24,6 +27,7 @@ VERBS: dict[str, dict[str, str]] = {
     "tuning": {
         "tune": "gains and input shapers from parameters and frequencies: tuning.json, export/",
         "plan": "references and feed-forward of one leg that arrives without vibration",
+        "refine": "the tuned robot, corrected by legs that were logged",
         "shape": "the input shaper for a measured spectrum: shaper.json",
         "codesign": "gains, shaper and leg together, over poses, settings and what is unknown",
     },
@@ -94,8 +98,13 @@ def _run(arguments: list[str]) -> int:
 
     name = verb.replace("-", "_") + "_" * keyword.iskeyword(verb)
     chosen = getattr(importlib.import_module(f"experiments.verbs.{wings[verb]}.{name}"), name)
+    from experiments.verbs.help_text import check_options, described, fitted_help
+
     try:
-        return tyro.cli(chosen, args=rest, prog=f"scdpr {verb}")
+        check_options(chosen, rest)
+        asked = not {"-h", "--help"}.isdisjoint(rest)
+        with fitted_help(_columns()) if asked else contextlib.nullcontext():
+            return tyro.cli(described(chosen), args=rest, prog=f"scdpr {verb}")
     except ValueError as error:
         return _told(verb, error, BAD_INPUT)
     except BrokenPipeError:
@@ -114,9 +123,10 @@ def _run(arguments: list[str]) -> int:
 
 def _told(verb: str, what: object, status: int) -> int:
     """The status, once it is said why."""
+    from experiments.verbs.console import complain
     from scdpr_jax.numerics.files.harmless import message
 
-    print(message(f"scdpr {verb}: {what}"), file=sys.stderr)
+    complain(message(f"scdpr {verb}: {what}"))
     return status
 
 
@@ -146,20 +156,25 @@ def _prepare_process() -> None:
 
 def _help() -> str:
     verbs = {name: does for wing in VERBS.values() for name, does in wing.items()}
-    width = max(map(len, verbs))
-    rows = [f"  {name:<{width}}  {does}" for name, does in verbs.items()]
-    return "\n".join(
-        [
-            "usage: scdpr VERB …",
-            "",
-            "From a planar cable robot's logged runs to its parameters, gains and shapers.",
-            "",
-            *rows,
-            "",
-            "`scdpr VERB --help` tells a verb's arguments.",
-            "Exit status: 0 done, 1 fell short, 2 bad input, 130 stopped, 143 terminated.",
-        ]
+    room = max(map(len, verbs)) + 4
+    text = (
+        ("usage: scdpr VERB …", ""),
+        ("", ""),
+        ("From a planar cable robot's logged runs to its parameters, gains and shapers.", ""),
+        ("", ""),
+        *((f"  {name}".ljust(room) + does, room * " ") for name, does in verbs.items()),
+        ("", ""),
+        ("`scdpr VERB --help` tells a verb's arguments.", ""),
+        ("Exit status: 0 done, 1 fell short, 2 bad input, 130 stopped, 143 terminated.", ""),
     )
+    return "\n".join(
+        line for words, hanging in text for line in wrapped(words, _columns(), hanging=hanging)
+    )
+
+
+def _columns() -> int:
+    """Columns of the terminal; a file or a pipe has no width."""
+    return shutil.get_terminal_size((100_000, 24)).columns
 
 
 if __name__ == "__main__":

@@ -1,13 +1,18 @@
 """Strict numerics and run-time shape checks for every test."""
 
-from jaxtyping import install_import_hook
+import os
+
+# As the command line has it: two workers whose matrices have two threads each wait for cores.
+for _library in ("OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+
+from jaxtyping import install_import_hook  # noqa: E402
 
 # Before anything imports the packages: every annotated shape is checked by beartype.
 install_import_hook(
     ["scdpr_jax", "identification", "tuning", "experiments"], "beartype.beartype"
 )
 
-import os  # noqa: E402
 import pathlib  # noqa: E402
 
 import hypothesis  # noqa: E402

@@ -11,9 +11,9 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from experiments.page import style
 from scdpr_jax.robot.parameters import Robot
 
-_PULLEY = 0.018  # m, radius of a drawn deflection pulley
-_PULLEY_HALF_GAP = 0.09  # m, half of the distance between the two inner cables
-_BODY_HALF_WIDTH = 0.1405  # m: half of Table 1's width, which no equation needs
+PULLEY = 0.018  # m, radius of a drawn deflection pulley
+PULLEY_HALF_GAP = 0.09  # m, half of the distance between the two inner cables
+BODY_HALF_WIDTH = 0.1405  # m: half of Table 1's width, which no equation needs
 
 
 def cable_loop(
@@ -48,18 +48,18 @@ def cable_loop(
             y + float(body.upper_offset) * np.cos(tilt),
         ]
     )
-    across = np.array([np.cos(tilt), np.sin(tilt)]) * _PULLEY_HALF_GAP
+    across = np.array([np.cos(tilt), np.sin(tilt)]) * PULLEY_HALF_GAP
     outer_low = float(robot.lower_carriage.width) / 2
     outer_high = float(robot.upper_carriage.width) / 2
     radius = _drawn_radius(robot)
     paths: dict[str, list] = {"alpha": [], "beta": [], "gamma": [], "guide": []}
     for side, corner in ((-1, radius), (1, width - radius)):
-        inner = np.array([lower + side * _PULLEY_HALF_GAP, 0.0])
+        inner = np.array([lower + side * PULLEY_HALF_GAP, 0.0])
         outer = np.array([lower + side * outer_low, 0.0])
         above = np.array([upper + side * outer_high, height])
         paths["alpha"].append(np.stack([bottom + side * across, inner]))
         paths["beta"].append(
-            np.stack([top + side * across, [upper + side * _PULLEY_HALF_GAP, height]])
+            np.stack([top + side * across, [upper + side * PULLEY_HALF_GAP, height]])
         )
         paths["gamma"].append(np.stack([outer, above]))
         turn = np.linspace(np.pi / 2, -np.pi / 2, 15)
@@ -110,11 +110,11 @@ def draw_robot(axes: Axes, robot: Robot, position: Float[np.ndarray, "5"]) -> No
                 edgecolor=style.BLACK,
             )
         )
-        for offset in (-half, -1e3 * _PULLEY_HALF_GAP, 1e3 * _PULLEY_HALF_GAP, half):
+        for offset in (-half, -1e3 * PULLEY_HALF_GAP, 1e3 * PULLEY_HALF_GAP, half):
             axes.add_patch(
                 Circle(
                     (1e3 * place + offset, at),
-                    1e3 * _PULLEY,
+                    1e3 * PULLEY,
                     facecolor="white",
                     edgecolor=style.BLACK,
                 )
@@ -132,7 +132,7 @@ def _draw_body(axes: Axes, robot: Robot, pose: tuple[float, float, float]) -> No
     x, y, tilt = pose
     body = robot.end_effector
     low, high = float(body.lower_offset), float(body.upper_offset)
-    half = _BODY_HALF_WIDTH
+    half = BODY_HALF_WIDTH
     corners = np.array([[-half, -low], [half, -low], [half, high], [-half, high]])
     turn = np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])
     axes.add_patch(

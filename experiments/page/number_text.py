@@ -3,6 +3,8 @@
 import math
 
 _MOST_DECIMALS = 12
+_MOST_ZEROS = 6
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def decimals(sigma: float) -> int:
@@ -34,7 +36,7 @@ def rounded(value: float, sigma: float) -> str:
     places = decimals(sigma)
     if abs(value) < 1e-9 and sigma < 1e-9:
         return short(value, 4)
-    return _minus(f"{value:.{places}f}")
+    return _minus(_without_sign_of_zero(f"{value:.{places}f}"))
 
 
 def short(value: float, digits: int = 6) -> str:
@@ -45,11 +47,15 @@ def short(value: float, digits: int = 6) -> str:
         digits: Significant digits.
 
     Returns:
-        The number.
+        The number; "7.4·10⁻⁷" for one that is very small, or far beyond its digits.
     """
     if not math.isfinite(value):
         return "∞" if value > 0 else "−∞" if value < 0 else "–"
-    return _minus(f"{value:.{digits}g}")
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    if exponent and 0 < int(exponent) <= _MOST_ZEROS:
+        mantissa, exponent = f"{float(mantissa) * 10 ** int(exponent):.0f}", ""
+    power = f"·10{str(int(exponent)).translate(_RAISED)}" if exponent else ""
+    return _minus(_without_sign_of_zero(mantissa)) + power
 
 
 def percent(share: float, digits: int = 2) -> str:
@@ -60,9 +66,9 @@ def percent(share: float, digits: int = 2) -> str:
         digits: Significant digits.
 
     Returns:
-        "1.2 %".
+        "1.2 %"; "–" for a share that isn't known.
     """
-    return f"{plain(100 * share, digits)} %"
+    return f"{plain(100 * share, digits)} %" if math.isfinite(share) else "–"
 
 
 def plain(value: float, digits: int = 2) -> str:
@@ -108,7 +114,12 @@ def capitalised(text: str) -> str:
 
 
 def _minus(text: str) -> str:
-    return text.replace("-", "−") if "e" not in text else text
+    return text.replace("-", "−")
+
+
+def _without_sign_of_zero(text: str) -> str:
+    """A number's text, whose zero has no sign."""
+    return text.lstrip("-") if not text.strip("-0.") else text
 
 
 def split_at_point(text: str) -> tuple[str, str]:

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from experiments.page.drawing import Draw, Drawn, draw
 from experiments.page.number_text import split_at_point
+from experiments.page.theme import declarations
 from scdpr_jax.numerics.files.harmless import printable
 
 _SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
@@ -24,6 +25,8 @@ _PACKAGES = ("scdpr-jax", "jax", "jaxlib", "equinox", "numpy", "scipy", "matplot
 class Picture(NamedTuple):
     """A figure of a page."""
 
+    name: str
+    """Its anchor on the page."""
     svg: Drawn
     """The figure."""
     caption: str
@@ -47,20 +50,24 @@ class Pictures:
         self._count = 0
         self._keep, self._draw = keep, draw
 
-    def __call__(self, figure: Figure, caption: str, *, narrow: bool = False) -> Picture:
+    def __call__(
+        self, figure: Figure, caption: str, *, seen: str = "", narrow: bool = False
+    ) -> Picture:
         """A figure as a picture of the page.
 
         Args:
             figure: The figure.
-            caption: What to look at in it; also read aloud in its place.
-            narrow: Whether to draw it narrower than the page.
+            caption: What to look at in it.
+            seen: What is to be seen in it, read aloud in its place; default: the caption.
+            narrow: Whether another one has room beside it.
 
         Returns:
             The picture.
         """
         self._count += 1
         self._keep(figure)
-        return Picture(self._draw(figure, f"fig{self._count}", caption), caption, narrow)
+        name = f"fig{self._count}"
+        return Picture(name, self._draw(figure, name, seen or caption), caption, narrow)
 
 
 def page(template: str, **content: Any) -> str:
@@ -88,6 +95,11 @@ def _environment() -> jinja2.Environment:
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
     )
+    environment.globals |= {
+        "day": declarations(night=False),
+        "night": declarations(night=True),
+    }
+    environment.filters["code"] = code
     environment.filters["whole"] = lambda text: split_at_point(text)[0]
     environment.filters["part"] = lambda text: split_at_point(text)[1]
     environment.globals["policy"] = _policy(environment)
@@ -121,6 +133,22 @@ def _policy(environment: jinja2.Environment) -> str:
             "base-uri 'none'",
             "form-action 'none'",
         )
+    )
+
+
+def code(text: str) -> Markup:
+    """A sentence whose calls in backticks are set as code.
+
+    Args:
+        text: The sentence; it is escaped.
+
+    Returns:
+        HTML.
+    """
+    pieces = re.split(r"`([^`]+)`", text)
+    return Markup("").join(
+        Markup("<code>{}</code>").format(piece) if place % 2 else piece
+        for place, piece in enumerate(pieces)
     )
 
 

@@ -5,7 +5,7 @@ while a function decorated with `styled` runs.
 """
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import ParamSpec, TypeVar
 
 import matplotlib
@@ -22,6 +22,9 @@ ORANGE, SKY, GREEN, YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
 BLUE, VERMILION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
 """The palette of Okabe and Ito, which the colour-blind can tell apart."""
 
+RED_WORDS = "#b04a00"
+"""Vermilion for words, which need more contrast than lines."""
+
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 """Colours of unnamed series, in order."""
 
@@ -31,19 +34,24 @@ WIDTH = 10.0
 DRAWN_POINTS = 700
 """Points of a drawn line: more than a column of the page has pixels to show."""
 
+_PHONE, _HANDLE, _LETTER = 345.0, 42.0, 6.2
+"""Widths of a phone's column, of a legend's handle with its gaps and of a letter [points]."""
+
 _SETTINGS = {
     "font.family": "sans-serif",
-    "font.size": 10,
-    "axes.titlesize": 10,
+    "font.size": 10.5,
+    "axes.titlesize": 10.5,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
     # Nothing is above the panels, so titles needn't look for their place.
     "axes.titley": 1.0,
-    "axes.labelsize": 10,
+    "axes.labelsize": 10.5,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": GREY,
     "axes.labelcolor": BLACK,
+    "axes.titlecolor": BLACK,
+    "text.color": BLACK,
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.formatter.useoffset": False,
@@ -53,13 +61,13 @@ _SETTINGS = {
     "grid.linewidth": 0.7,
     "lines.linewidth": 1.5,
     "legend.frameon": False,
-    "legend.fontsize": 9,
+    "legend.fontsize": 10,
     "xtick.color": GREY,
     "ytick.color": GREY,
     "xtick.labelcolor": BLACK,
     "ytick.labelcolor": BLACK,
-    "xtick.labelsize": 9,
-    "ytick.labelsize": 9,
+    "xtick.labelsize": 10,
+    "ytick.labelsize": 10,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
     # Text stays text: it can be read aloud, searched for and copied.
@@ -147,6 +155,11 @@ def panels(
     grid = figure.subplots(
         rows, columns, width_ratios=widths, sharex=sharex, sharey=sharey, squeeze=False
     )
+    if columns > 1:
+        # On a phone each panel stands by itself.
+        for axes in grid.ravel():
+            axes.xaxis.set_tick_params(labelbottom=True)
+            axes.yaxis.set_tick_params(labelleft=True)
     return figure, grid.ravel()
 
 
@@ -176,7 +189,7 @@ def legend_above(axes: Axes, *, columns: int = 4) -> None:
             labels,
             loc="lower right",
             bbox_to_anchor=(1.0, 1.0),
-            ncols=columns,
+            ncols=fitting_columns(labels, columns),
             borderaxespad=0.2,
             handlelength=1.6,
             columnspacing=1.2,
@@ -192,7 +205,28 @@ def figure_legend(figure: Figure, axes: Axes, *, columns: int = 5) -> None:
         columns: Entries a row.
     """
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=columns)
+    figure.legend(
+        handles, labels, loc="outside upper right", ncols=fitting_columns(labels, columns)
+    )
+
+
+def fitting_columns(labels: Sequence[str], most: int) -> int:
+    """Columns of a legend that a phone shows letter for pixel.
+
+    Args:
+        labels: What its entries are called.
+        most: Columns at most.
+
+    Returns:
+        As many as are no wider than a panel, one at least.
+    """
+    for columns in range(most, 1, -1):
+        # Entries go down the columns.
+        rows = -(-len(labels) // columns)
+        stacks = [labels[first : first + rows] for first in range(0, len(labels), rows)]
+        if sum(_HANDLE + _LETTER * max(map(len, stack)) for stack in stacks) <= _PHONE:
+            return columns
+    return 1
 
 
 def thinned(

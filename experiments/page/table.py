@@ -16,10 +16,21 @@ class Table:
     """The lines."""
     words: tuple[int, ...] = (0,)
     """Columns of words, which begin at the left; numbers end at the right."""
+    spare: tuple[tuple[int, ...], ...] = ()
+    """Columns that a narrow terminal can do without, in the order in which they go."""
+
+    @property
+    def untitled(self) -> "Table":
+        """The same, where the title stands somewhere else."""
+        return dataclasses.replace(self, title="")
 
 
 def table_of(
-    title: str, rows: Iterable[Mapping[str, str]], *, words: tuple[int, ...] = (0,)
+    title: str,
+    rows: Iterable[Mapping[str, str]],
+    *,
+    words: tuple[int, ...] = (0,),
+    spare: tuple[tuple[str, ...], ...] = (),
 ) -> Table:
     """A table from lines that name their columns, so that no cell stands under another's name.
 
@@ -27,10 +38,14 @@ def table_of(
         title: What it is about; empty for none.
         rows: The lines: texts by the columns' names, in the columns' order.
         words: Columns of words.
+        spare: Names of columns that a narrow terminal can do without, in their order.
 
     Returns:
         The table; without lines it has no columns either.
     """
     lines = tuple(rows)
     header = tuple(lines[0]) if lines else ()
-    return Table(title, header, tuple(tuple(line.values()) for line in lines), words)
+    without = tuple(
+        tuple(header.index(name) for name in group if name in header) for group in spare
+    )
+    return Table(title, header, tuple(tuple(line.values()) for line in lines), words, without)

@@ -105,6 +105,7 @@ def tables(design: CoDesign) -> tuple[Table, Table, Table]:
                 ", ".join(f"{float(point):.4f}" for point in law.profile),
             ),
         ),
+        words=(0, 1),
     )
     named = {DESIGNED: design.front, **design.compared}
     return (
@@ -132,6 +133,7 @@ def _figures(title: str, named: Mapping[str, tuple[Designed, ...]]) -> Table:
             "largest command [V]",
         ),
         tuple((name, *_row(one)) for name, designs in named.items() for one in designs),
+        spare=((4,), (6,), (8,)),
     )
 
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from experiments.figures.identification.axis import axis_figure
-from experiments.figures.identification.correlation import correlation
 from experiments.page.number_text import percent, plain, readable_unit, rounded
 from experiments.page.page import Pictures, page, versions
+from experiments.reports.calibration.heat_tables import correlation_heat
 from experiments.reports.parameter_table import Row
 from identification.axis.estimate import DriveAxisEstimate
 from identification.axis.law import AxisLaws
@@ -51,12 +51,11 @@ def write_drive_report(path: pathlib.Path, *, log: AxisLog, laws: AxisLaws) -> N
                 "distance from the log is the law's own. Where the residual "
                 "grows, friction differs from what it is elsewhere.",
             ),
-            picture(
-                correlation(list(estimate.names), np.asarray(estimate.correlation)),
-                "Correlation of the estimates.",
-                narrow=True,
-            ),
         ],
+        correlation=correlation_heat(
+            ["".join(_MEANING[name][:2]) for name in estimate.names],
+            np.asarray(estimate.correlation),
+        ),
         provenance=[("samples", f"{log.time.size}"), *versions()],
     )
     write_whole(pathlib.Path(path), text)

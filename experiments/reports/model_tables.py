@@ -28,7 +28,7 @@ def model_tables(estimate: Estimate) -> tuple[Table, ...]:
     rows = [
         {
             "model": _label(model) + (" ← chosen" if model is best else ""),
-            "misfit": plain(model.misfit, 4),
+            "left [times the noise]": plain(math.sqrt(model.misfit), 4),
             "AIC": f"{model.aic - best.aic:+.0f}",
             "BIC": f"{model.bic - best.bic:+.0f}",
         }

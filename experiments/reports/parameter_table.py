@@ -99,7 +99,12 @@ def parameters_table(rows: Sequence[Row], *, with_truth: bool) -> Table:
         known = (row.truth, row.error, row.covered) if with_truth else ()
         lines.append((*line, row.status, *known))
     return Table(
-        "", (*header, *(truth if with_truth else ())), tuple(lines), words=(0, 1, 5, 7, 10)
+        "",
+        (*header, *(truth if with_truth else ())),
+        tuple(lines),
+        words=(0, 1, 5, 7, 10),
+        # Half of the interval tells it, and the error stands beside the truth.
+        spare=((3, 4), (9,)) if with_truth else ((3, 4),),
     )
 
 

@@ -8,7 +8,7 @@ from experiments.page.console_text import print_lines, print_table
 from experiments.page.number_text import plain
 from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
-from experiments.studies.planned_leg import SIDES, Compared
+from experiments.studies.legs.planned_leg import SIDES, Compared
 from scdpr_jax.legs.measures import SETTLED, LegMeasures
 from tuning.plan.planning import Planned
 
@@ -94,6 +94,7 @@ def tables(compared: Compared) -> tuple[Table, Table]:
             (name, *_cells(runs[0].measures))
             for name, runs in zip(SIDES, (compared.plain, compared.planned), strict=True)
         ),
+        spare=((3,),),
     )
     others = Table(
         "Robots as they might be",

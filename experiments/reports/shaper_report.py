@@ -95,6 +95,7 @@ def tables(design: SpectrumDesign) -> tuple[Table, Table]:
             "optimised, no worse",
         ),
         tuple(rows),
+        spare=((4,),),
     )
     front = Table(
         "Duration against vibration, optimised",

@@ -3,17 +3,16 @@
 from collections.abc import Mapping, Sequence
 
 from rich.console import Console
-from rich.text import Text
 
-from experiments.page.console_text import print_lines, print_table
+from experiments.page.console_text import print_lines, print_table, print_text
+from experiments.reports.calibration.influence_tables import influence_tables
+from experiments.reports.calibration.knock_table import knock_table
 from experiments.reports.drive_report import (
     axis_rows,
     axis_sentences,
     axis_verdict,
     law_sentences,
 )
-from experiments.reports.influence_tables import influence_tables
-from experiments.reports.knock_table import knock_table
 from experiments.reports.model_tables import (
     measured_tables,
     model_tables,
@@ -62,7 +61,7 @@ def show(
     """
     estimate = findings.estimate
     for number, line in enumerate(findings.verdict):
-        console.print(Text(line, style="bold red" if number == 0 else "red"))
+        print_text(console, line, style="bold red" if number == 0 else "red")
     rows = [
         parameter_row(parameter, truth=dict(truth or {})) for parameter in estimated(estimate)
     ]
@@ -82,7 +81,7 @@ def show(
         ("What to do next", words.next),
     ):
         if lines:
-            console.print(Text(title, style="bold"))
+            print_text(console, title, style="bold")
         print_lines(console, lines)
     if findings.tuning is not None:
         show_tuning(console, findings.tuning.tuning)
@@ -143,10 +142,10 @@ def show_axis(console: Console, laws: AxisLaws) -> None:
     """
     estimate = laws.usual
     for line in axis_verdict(laws):
-        console.print(Text(line, style="bold red"))
+        print_text(console, line, style="bold red")
     rows = axis_rows(estimate)
     print_table(console, parameters_table(rows, with_truth=False), styles=_STYLES)
     for note in estimate.notes:
-        console.print(Text(f"note: {note}"))
+        print_text(console, f"note: {note}")
     # The parameters are in the table already.
     print_lines(console, [*axis_sentences(estimate)[len(rows) :], *law_sentences(laws)])

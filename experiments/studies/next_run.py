@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from experiments.page.number_text import percent, plain
 from experiments.page.table import Table
+from identification.campaign.abbreviation import full_names
 from identification.judge.uncertainty import half_width
 from identification.next_run.excitation import KNOCK_TIME, REST, STEP
 from identification.next_run.expected_information import Rig, motion
@@ -31,15 +32,6 @@ RATE = 1000.0
 
 D_OPTIMAL, A_OPTIMAL = "d-optimal", "a-optimal"
 """What `--for` takes beside the name of a quantity."""
-
-SHORT = {
-    "mu": "friction_coefficient",
-    "J": "drive_inertia",
-    "b": "drive_damping",
-    "T_eff": "effective_pretension",
-    "tau_f": "drive_friction",
-}
-"""Symbols that `--for` takes for the names of quantities."""
 
 
 class Aim(NamedTuple):
@@ -70,14 +62,13 @@ def aim_for(wanted: str, rig: Rig) -> Aim:
         return Aim(d_optimal, None, "all quantities, D-optimal")
     if wanted.lower() == A_OPTIMAL:
         return Aim(a_optimal(_now(rig)), None, "all quantities, A-optimal")
-    name = SHORT.get(wanted, wanted)
-    if name not in rig.names:
-        short = [symbol for symbol, own in SHORT.items() if own in rig.names]
+    try:
+        (name,) = full_names((wanted,), rig.names, argument="--for", what="quantity")
+    except ValueError as error:
         raise ValueError(
-            f"`--for` names nothing that was estimated, got {wanted!r}, expected one of: "
-            f"{', '.join((*rig.names, *short, D_OPTIMAL, A_OPTIMAL))}. Free it in "
-            "`scdpr identify` first, or name one of these."
-        )
+            f"{error} Or name {D_OPTIMAL} or {A_OPTIMAL} for all of them; what wasn't "
+            "estimated, `scdpr identify --free` has to free first."
+        ) from None
     index = rig.names.index(name)
     return Aim(sharpest(index), index, name.replace("_", " "))
 
@@ -128,7 +119,8 @@ def candidate_table(rig: Rig, aim: Aim, candidates: Sequence[Candidate]) -> Tabl
         "reach x, y [m]",
         "speed [m/s]",
     )
-    return Table(title, header, tuple(rows))
+    reach = header.index("reach x, y [m]")
+    return Table(title, header, tuple(rows), spare=((reach,), (reach + 1,)))
 
 
 def shown_width(rig: Rig, index: int, sigma: float) -> str:

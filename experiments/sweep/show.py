@@ -32,7 +32,7 @@ def show(console: Console, dataset: xr.Dataset, *, axes: int) -> None:
     console.print()
     header = ("variable", "at", "least", "largest", "unit", "of the points")
     ranges = [row for variable in dataset.data_vars.values() for row in _rows(variable, axes)]
-    print_table(console, Table("", header, tuple(ranges), words=(0, 1, 4)))
+    print_table(console, Table("", header, tuple(ranges), words=(0, 1, 4), spare=((5,),)))
 
 
 def _rows(variable: xr.DataArray, axes: int) -> Iterator[tuple[str, ...]]:

@@ -1,6 +1,10 @@
 """What the verbs share of the console: where they print, and how they end."""
 
+import os
 import pathlib
+import shlex
+import subprocess
+import sys
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
@@ -11,6 +15,8 @@ from scdpr_jax.numerics.files.harmless import printable
 
 if TYPE_CHECKING:
     from experiments.runtime.store.store import Distrusted
+
+from experiments.page.console_text import print_text
 
 Folder = Annotated[pathlib.Path, tyro.conf.Positional]
 """A path that is given without a flag."""
@@ -37,14 +43,41 @@ def _still(text: Text) -> Text:
     return text
 
 
-OUT = Console(highlight=False, width=max(140, Console().width))
-"""Wide enough for the tables: a narrow terminal wraps them, and nothing is cut."""
+_UNBOUNDED = 100_000
 
-ERRORS = Console(stderr=True, highlight=False)
+
+def _width(is_terminal: bool) -> int | None:
+    """Columns to print in, None for those of the terminal."""
+    return None if os.environ.get("COLUMNS") or is_terminal else _UNBOUNDED
+
+
+OUT = Console(highlight=False, width=_width(sys.stdout.isatty()))
+"""As wide as the terminal. A file or a pipe has no width: there a sentence is one line."""
+
+ERRORS = Console(stderr=True, highlight=False, width=_width(sys.stderr.isatty()))
 """Progress and complaints."""
 
 for _console in (OUT, ERRORS):
     _console.push_render_hook(_Harmless())
+
+
+def say(text: str, *, style: str = "") -> None:
+    """Print a text, its words whole.
+
+    Args:
+        text: The text.
+        style: How it is set.
+    """
+    print_text(OUT, text, style=style)
+
+
+def complain(text: str) -> None:
+    """Print what is wrong, its words whole.
+
+    Args:
+        text: The text.
+    """
+    print_text(ERRORS, text)
 
 
 def wrote(*paths: pathlib.Path) -> None:
@@ -69,6 +102,33 @@ def suggest(*calls: str) -> None:
         OUT.print(f"next: {call}", markup=False, soft_wrap=True)
 
 
+def pasted(path: pathlib.Path | str) -> str:
+    """A path as a shell takes it, in quotation marks where it needs them.
+
+    Args:
+        path: The path.
+
+    Returns:
+        What to paste.
+    """
+    if os.name == "nt":
+        return subprocess.list2cmdline([str(path)])
+    return shlex.quote(str(path))
+
+
+def open_call(page: pathlib.Path) -> str:
+    """How to look at a page on this system.
+
+    Args:
+        page: The page.
+
+    Returns:
+        The call.
+    """
+    opener = {"darwin": "open", "win32": "start"}.get(sys.platform, "xdg-open")
+    return f"{opener} {pasted(page)}"
+
+
 def plan_call(tuning: pathlib.Path) -> str:
     """How to plan a leg with a tuning.
 
@@ -78,7 +138,10 @@ def plan_call(tuning: pathlib.Path) -> str:
     Returns:
         The call.
     """
-    return f'scdpr plan {tuning} --from "0.3 m, 0.55 m" --to "1.9 m, 0.55 m" --out plan.csv'
+    out = pasted(tuning.with_name("plan.csv"))
+    return (
+        f'scdpr plan {pasted(tuning)} --from "0.3 m, 0.55 m" --to "1.9 m, 0.55 m" --out {out}'
+    )
 
 
 def tell_distrusted(found: "Distrusted") -> None:
@@ -87,5 +150,4 @@ def tell_distrusted(found: "Distrusted") -> None:
     Args:
         found: What it is.
     """
-    text = f"{found.name}: {found.why}. It is computed anew."
-    ERRORS.print(text, markup=False, soft_wrap=True)
+    complain(f"{found.name}: {found.why}. It is computed anew.")

@@ -2,7 +2,7 @@
 
 import pathlib
 
-from experiments.verbs.console import OUT
+from experiments.verbs.console import say
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 
 
@@ -18,10 +18,9 @@ def ending(source: pathlib.Path, *, fits: bool) -> int:
     """
     if fits:
         return DONE
-    OUT.print(
+    say(
         f"THE MODEL DOES NOT FIT the runs that {source} comes from. What follows is for a "
         "robot that isn't the one on the rig: find the cause first, see `scdpr identify`.",
         style="bold red",
-        markup=False,
     )
     return FELL_SHORT

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from experiments.verbs.console import ERRORS
+from experiments.verbs.console import complain
 from identification.campaign import Campaign
 from identification.doctor.accepted import admission
 
@@ -24,12 +24,11 @@ def examined(campaign: Campaign, accept: Sequence[str], *, verb: str) -> Campaig
     """
     admitted, refused = admission(campaign, accept)
     for finding in refused:
-        print(f"scdpr {verb}: {finding.severity}: {finding}", file=ERRORS.file)
+        complain(f"scdpr {verb}: {finding.severity}: {finding}")
     if refused:
         ids = " ".join(dict.fromkeys(finding.id for finding in refused))
-        print(
+        complain(
             f"scdpr {verb}: nothing was fitted. Put it right, or let `scdpr check --mend OUT` "
-            f"do it; `--accept {ids}` goes on as it is.",
-            file=ERRORS.file,
+            f"do it; `--accept {ids}` goes on as it is."
         )
     return admitted

@@ -24,11 +24,12 @@ def require_outside(out: pathlib.Path, campaign: pathlib.Path) -> None:
         )
 
 
-def try_out(*files: pathlib.Path) -> None:
+def try_out(*files: pathlib.Path, name: str = "--out") -> None:
     """Try whether results can be written, before anything is computed.
 
     Args:
         files: Files that will be written; their folders are made as they will be.
+        name: The argument that names them.
 
     Raises:
         ValueError: If one of them can't be: a folder is in its place, a file in its folder's,
@@ -39,7 +40,7 @@ def try_out(*files: pathlib.Path) -> None:
     for file in files:
         if file.is_dir():
             raise ValueError(
-                f"`--out`: {file} is a folder, expected a file, or a name for one. Name a file."
+                f"`{name}`: {file} is a folder, expected a file or a name for one. Name one."
             )
         made = _missing(file.parent)
         try:
@@ -48,7 +49,7 @@ def try_out(*files: pathlib.Path) -> None:
                 scratch.write_bytes(bytes(_ROOM))
         except OSError as error:
             raise ValueError(
-                f"`--out`: {file} can't be written, got {error.strerror}, expected a folder "
+                f"`{name}`: {file} can't be written, got {error.strerror}, expected a folder "
                 "that can be, and room on its disk. Name another one, or make room there."
             ) from None
         finally:
@@ -68,6 +69,21 @@ def _missing(folder: pathlib.Path) -> list[pathlib.Path]:
 def _remove_empty(folder: pathlib.Path) -> None:
     if folder.is_dir() and not any(folder.iterdir()):
         folder.rmdir()
+
+
+def results_of(campaign: pathlib.Path) -> pathlib.Path:
+    """A folder for a campaign's results: here, or beside the campaign from inside of it.
+
+    Args:
+        campaign: The campaign's folder.
+
+    Returns:
+        The folder's name for a call.
+    """
+    folder = campaign.resolve()
+    beside = folder.with_name(f"{folder.name}-results")
+    inside = pathlib.Path.cwd().is_relative_to(folder)
+    return beside if inside else pathlib.Path(beside.name)
 
 
 def parse_position(text: str, *, name: str, robot: "Robot") -> tuple[float, float]:

@@ -20,7 +20,7 @@ from identification.axis.horizons import (
     horizons,
     mean_squares,
 )
-from identification.axis.inverse_dynamics import inverse_dynamics, opposes
+from identification.axis.inverse_dynamics import check_mass, inverse_dynamics, opposes
 from identification.axis.log import AxisLog
 from identification.axis.motion import AxisParameters
 from identification.axis.pattern_search import Polished, polish
@@ -341,6 +341,7 @@ def _starts(record: AxisRecord, *, gain: float) -> Float[np.ndarray, "starts 4"]
             "voltage, expected acceleration along the force. Check the gain's sign, and "
             "that the record has accelerations well above the position's resolution."
         )
+    check_mass(guesses, record, gain=gain)
     # Twice as heavy or as light: should smoothing have biased all of them the same way.
     middle = np.median(guesses, axis=0)
     spread = [middle * np.array([factor, 1.0, 1.0, 1.0]) for factor in (0.5, 2.0)]

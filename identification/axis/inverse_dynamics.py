@@ -1,10 +1,13 @@
 """First guesses of an axis's parameters: inverse-dynamics least squares, no simulation."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy.optimize
 from jaxtyping import Float
 
 from identification.axis.record import AxisRecord
+from scdpr_jax.robot.stated.ranges import RANGES
 
 _CUBIC = 3  # order of the local polynomials: the lowest with an unbiased acceleration slope
 _STANDSTILL = 0.02  # of the rms velocity: below it the friction isn't Coulomb's full force
@@ -44,6 +47,32 @@ def inverse_dynamics(
     fit = scipy.optimize.lsq_linear(matrix / scale, force, ([0, 0, 0, -np.inf], np.inf))
     guess = fit.x / scale
     return guess if guess[0] > 0 else None
+
+
+def check_mass(
+    guesses: Sequence[Float[np.ndarray, "4"]], record: AxisRecord, *, gain: float
+) -> None:
+    """Refuse a log whose accelerations make the axis heavier or lighter than one can be.
+
+    Args:
+        guesses: Inverse-dynamics fits.
+        record: The axis's record.
+        gain: Force per volt [N/V] or [N m/V].
+
+    Raises:
+        ValueError: If no axis has such a mass: a unit is wrong.
+    """
+    unit, gains = ("kg m^2", "N m/V") if record.log.is_rotary else ("kg", "N/V")
+    least, most = RANGES[unit]
+    mass = float(np.median([guess[0] for guess in guesses]))
+    if not least <= mass <= most:
+        length = record.log.position_unit
+        raise ValueError(
+            f"the log's accelerations make the axis {mass:.3g} {unit}, expected {least:g} to "
+            f"{most:g} [{unit}], with a motion of {record.motion:.3g} {length} and a gain of "
+            f"{gain:g} {gains}. Check the unit in the header of `position` (metres under [mm] "
+            "make it a thousandfold), and `--gain`."
+        )
 
 
 def opposes(record: AxisRecord, *, gain: float) -> bool:

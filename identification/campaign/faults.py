@@ -2,11 +2,15 @@
 
 import dataclasses
 import itertools
+import re
 from collections.abc import Iterable, Sequence
 
 from scdpr_jax.numerics.files.given import FileError
 from scdpr_jax.numerics.files.harmless import LINES, printable, shortened
 
+_NAMED = 3
+"""Files that are named, each by itself, of what is alike in them."""
+_NUMBER = re.compile(r"\d[\d.,]*(e[+-]?\d+)?")
 _LISTED = 10
 """Faults of one file that are listed; a column that is wrong throughout has thousands."""
 _TOLD = LINES - 2
@@ -49,13 +53,18 @@ class Fault:
             parts.append(f"key '{shortened(self.key, _NAME)}'")
         return ", ".join(parts)
 
-    def __str__(self) -> str:
+    @property
+    def text(self) -> str:
+        """What is wrong, what was found and expected, and the remedy, wherever it is."""
         parts = [self.what]
         if self.got:
             parts.append(f"got {shortened(self.got)}")
         if self.expected:
             parts.append(f"expected {self.expected}")
-        return printable(f"{self.where}: {', '.join(parts)}. {self.remedy}")
+        return f"{', '.join(parts)}. {self.remedy}"
+
+    def __str__(self) -> str:
+        return printable(f"{self.where}: {self.text}")
 
 
 def fault_of(error: FileError, *, file: str = "") -> Fault:
@@ -84,15 +93,19 @@ class CampaignError(ValueError):
         self.faults = faults
         """Every fault that was found."""
         number = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        lines = [f"{what} {path}: {number}.", *(f"  {fault}" for fault in _told(faults))]
-        left = len(faults) + 1 - len(lines)
-        if left:
-            lines.append(f"  and {left} more; `scdpr check --json FILE` tells every one.")
+        told = grouped(
+            (fault.file, fault.where.removeprefix(fault.file), fault.text)
+            for fault in _one_of_each_first(faults)
+        )
+        left = len(told) + 1 - LINES
+        if left > 0:
+            told[_TOLD:] = [f"and {left + 1} more; `scdpr check --json FILE` tells every one."]
+        lines = [f"{what} {path}: {number}.", *(f"  {line}" for line in told)]
         super().__init__("\n".join(map(printable, lines)))
 
 
-def _told(faults: Sequence[Fault]) -> Sequence[Fault]:
-    """As many faults as a message holds: of every file one, before more of the same."""
+def _one_of_each_first(faults: Sequence[Fault]) -> Sequence[Fault]:
+    """Faults in order; where they are more than a message holds, one of each file first."""
     if len(faults) < LINES:
         return faults
     files: dict[str, int] = {}
@@ -100,8 +113,34 @@ def _told(faults: Sequence[Fault]) -> Sequence[Fault]:
     for fault in faults:
         files[fault.file] = rank = files.get(fault.file, 0) + 1
         ranks.append(rank)
-    chosen = sorted(range(len(faults)), key=lambda place: (ranks[place], place))[:_TOLD]
-    return [faults[place] for place in sorted(chosen)]
+    return [faults[place] for place in sorted(range(len(faults)), key=ranks.__getitem__)]
+
+
+def grouped(lines: Iterable[tuple[str, str, str]]) -> list[str]:
+    """What is the same in many files, told once.
+
+    Args:
+        lines: A file, a place in it, and what is there; alike are those in the same place that
+            differ in numbers only.
+
+    Returns:
+        A line for each, or for all that are alike in more than three files, in the order in
+        which they come.
+    """
+    told = list(lines)
+    kinds = [(place, _NUMBER.sub("0", text)) for _, place, text in told]
+    files: dict[tuple[str, str], list[str]] = {}
+    for kind, (file, _, _) in zip(kinds, told, strict=True):
+        files.setdefault(kind, []).append(file)
+    result: dict[tuple[str, str] | int, str] = {}
+    for number, (kind, (file, place, text)) in enumerate(zip(kinds, told, strict=True)):
+        more = len(set(files[kind])) - 1
+        if more < _NAMED:
+            result[number] = f"{file}{place}: {text}"
+        else:
+            among = f", and {more} more files, the last {files[kind][-1]}"
+            result.setdefault(kind, f"{file}{place}{among}: {text}")
+    return list(result.values())
 
 
 def listed(

@@ -32,6 +32,8 @@ CAMPAIGN_FILE = "campaign.toml"
 RUN_FILE = "run.toml"
 """Name of the file about a run."""
 _FILES = (RUN_FILE, DRIVE_FILE, CAMERA_FILE, ACCELEROMETER_FILE)
+EPOCH = 1e8
+"""Times from which on a clock counts from 1970 and not from a run's begin: three years [s]."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -101,6 +103,8 @@ def survey(path: str | Path) -> Reading:
         folders = _run_folders(folder)
     except OSError:
         return Reading((_no_folder(folder),), None, ())
+    if elsewhere := _elsewhere(folder):
+        return Reading(elsewhere, None, ())
     document, faults = _rig_document(folder)
     # Counts are the campaign's to state. Where its file is at fault, any number lets the
     # runs be checked for other faults without blaming them for this one.
@@ -138,8 +142,39 @@ def _no_folder(folder: Path) -> Fault:
         file=str(folder),
         got="a file" if there else "no such folder",
         expected=f"a folder with {CAMPAIGN_FILE} and one folder for each run",
-        remedy="Name the campaign's folder." if there else "Check the path.",
+        remedy=_meant(folder)
+        or ("Name the campaign's folder." if there else "Check the path."),
     )
+
+
+def _meant(path: Path) -> str:
+    """Which campaign was likely meant, in words; empty where none is near."""
+    above = next((each for each in path.resolve().parents[:2] if _is_campaign(each)), None)
+    if above is not None:
+        return f"It is inside a campaign: name that, {above}."
+    inside = sorted(filter(_is_campaign, path.iterdir())) if path.is_dir() else []
+    if inside:
+        names = ", ".join(str(each) for each in inside[:5])
+        return f"There are campaigns in it: name one, {names}."
+    return ""
+
+
+def _is_campaign(folder: Path) -> bool:
+    return (folder / CAMPAIGN_FILE).is_file()
+
+
+def _elsewhere(folder: Path) -> tuple[Fault, ...]:
+    """The one fault of a folder that isn't the campaign, where one is near."""
+    if _is_campaign(folder) or not (meant := _meant(folder)):
+        return ()
+    fault = Fault(
+        what="this folder isn't the campaign",
+        file=str(folder),
+        got=f"no {CAMPAIGN_FILE} in it",
+        expected=f"a folder with {CAMPAIGN_FILE} and one folder for each run",
+        remedy=meant,
+    )
+    return (fault,)
 
 
 def _no_runs(folder: Path) -> Fault:
@@ -227,6 +262,20 @@ def _read_run(folder: Path, *, counts_per_rev: float | None) -> RunReading:
     return RunReading(folder.name, run, ())
 
 
+def _instant(time: float) -> str:
+    """A time that can be told from its neighbours, however large."""
+    return f"{time:.3f} s" if abs(time) >= EPOCH else f"{time:g} s"
+
+
+def _or_shift(drive: DriveStream) -> str:
+    if drive.time[0] < EPOCH:
+        return ""
+    return (
+        ", which counts from 1970; or take its first time off every time in the run's files, "
+        "so that they count from 0"
+    )
+
+
 def _knock_faults(
     document: RunDocument, drive: DriveStream | None, folder: Path
 ) -> tuple[Fault, ...]:
@@ -248,8 +297,9 @@ def _knock_faults(
             file=f"{folder.name}/{RUN_FILE}",
             key="knock.start",
             got=format_quantity(knock.start, "s"),
-            expected=f"{drive.time[0]:g} s to {drive.time[-1]:g} s on the drive's clock",
-            remedy=f"Give the moment on the clock of {DRIVE_FILE}.",
+            expected=f"{_instant(drive.time[0])} to {_instant(drive.time[-1])} on the drive's "
+            "clock",
+            remedy=f"Give the moment on the clock of {DRIVE_FILE}{_or_shift(drive)}.",
         )
     else:
         return ()

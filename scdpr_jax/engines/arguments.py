@@ -32,6 +32,8 @@ _ABOVE_ZERO = {
 _MOST = 1e6
 """No rig has a place, speed, voltage or force of more than this [SI]; such a number is a slip,
 and overflows in the powers of the equations of motion."""
+_LIMITS = 5.0
+"""Times a drive's limit from which on a command is a slip of the unit [1]."""
 _LONGEST = 3600.0
 """Longest interval in which inputs are held [s]; more is a time stamp of the wall clock."""
 
@@ -84,6 +86,27 @@ def check_finite(value: Any, *, name: str, unit: str, most: float = _MOST) -> No
             f"`{place}` must be finite [{unit}] and {most:g} at most, got "
             f"{np.asarray(numbers)[first]} in {len(wrong)} of {np.size(numbers)} places. "
             "Fill or cut out what is missing, and see to the unit."
+        )
+
+
+def check_commands(robot: Robot, voltage: Any) -> None:
+    """Refuse commands that no drive gives, where they are known.
+
+    Args:
+        robot: The robot.
+        voltage: The commands [V].
+
+    Raises:
+        ValueError: If one is known to be many times the drives' limit.
+    """
+    numbers, limit = concrete(voltage), concrete(robot.drive.voltage_limit)
+    if isinstance(numbers, jax.core.Tracer) or isinstance(limit, jax.core.Tracer):
+        return
+    most = float(np.max(np.abs(numbers), initial=0.0))
+    if most > _LIMITS * float(limit):
+        raise ValueError(
+            f"`voltage` must be what a drive gives [V], got {most:g} V, expected at most its "
+            f"`voltage_limit` of {float(limit):g} V. See to the unit, or state another limit."
         )
 
 
@@ -154,6 +177,16 @@ def check_start(robot: Robot, start: State) -> None:
             raise ValueError(
                 f"`robot.{name}` must be above zero [SI], got {float(number):g}: the equations "
                 "of motion divide by it. See `scdpr_jax.QUANTITIES` for its unit."
+            )
+    for name, carriage in (
+        ("lower_carriage", robot.lower_carriage),
+        ("upper_carriage", robot.upper_carriage),
+    ):
+        number = concrete(carriage.friction.coefficient)
+        if not isinstance(number, jax.core.Tracer) and number < 0:
+            raise ValueError(
+                f"`robot.{name}.friction.coefficient` must not be negative [1], got "
+                f"{float(number):g}: friction would drive the carriage. Give 0 for none."
             )
     for name, unit in (("position", "m, rad"), ("velocity", "m/s, rad/s")):
         check_shape(getattr(start, name), (5,), name=f"start.{name}", unit=unit)

@@ -33,7 +33,12 @@ from scdpr_jax.contacts.branches import PAIR, Pair, Three, act, less
 from scdpr_jax.contacts.motion import Assumed
 from scdpr_jax.contacts.polynomial import Cubic, Quadratic, cubic_between
 from scdpr_jax.contacts.response import Response, departed
-from scdpr_jax.engines.arguments import check_shape, check_start, possible_substeps
+from scdpr_jax.engines.arguments import (
+    check_commands,
+    check_shape,
+    check_start,
+    possible_substeps,
+)
 from scdpr_jax.engines.inputs import Inputs as Inputs
 from scdpr_jax.engines.inputs import possible_inputs as possible_inputs
 from scdpr_jax.robot.cable import carriage_stiffness, loop_forces
@@ -66,6 +71,7 @@ def simulate(robot: Robot, start: State, inputs: Inputs, *, substeps: int = 1) -
             NaN.
     """
     check_start(robot, start)
+    check_commands(robot, inputs.voltage)
     interval = _Interval(robot, possible_substeps(substeps))
     _, states = native.run(_advance, interval, start, possible_inputs(inputs))
     return with_start(start, states)

@@ -1,7 +1,8 @@
 """Reading the JSON files that the verbs write, with one clear error."""
 
+import json
 import pathlib
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pydantic
 
@@ -37,16 +38,61 @@ def read_json(path: pathlib.Path, model: type[_Model], *, expected: str, verb: s
     """
     path = pathlib.Path(path)
     try:
-        return model.model_validate_json(read_given(path, most=RESULT))
+        content = read_given(path, most=RESULT)
     except OSError as error:
         raise ValueError(
             f"{path}: can't be read, got {error.strerror}, expected {expected}. Run "
             f"`scdpr {verb}` or `scdpr calibrate` first."
         ) from None
+    try:
+        return model.model_validate_json(content)
     except pydantic.ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "the file"
         raise ValueError(
-            f"{path}: {where} is wrong, got {represented(first['input'], 60)}: {first['msg']}. "
-            f"Expected what `scdpr {verb}` writes; write it anew."
+            f"{path}: {_fault(content, error.errors()[0], expected)} Expected what "
+            f"`scdpr {verb}` writes; write it anew."
         ) from None
+
+
+_WRITTEN = (
+    ({"robots", "controller"}, "a tuning.json, which `scdpr plan` takes"),
+    ({"front", "leg"}, "a codesign.json, which `scdpr plan` takes"),
+    ({"parameters", "correlation"}, "a parameters.json, which `scdpr tune` takes"),
+    ({"impulses", "compared"}, "a shaper.json of `scdpr shape`"),
+    ({"findings"}, "the findings of `scdpr check`"),
+)
+"""What else the verbs write, by keys that it has."""
+
+
+def _fault(content: bytes, first: dict[str, Any], expected: str) -> str:
+    """What is wrong with a file, in words, and where."""
+    if not content.strip():
+        return f"the file is empty, expected {expected}."
+    if first["type"] == "json_invalid":
+        return _not_json(content, expected)
+    there = json.loads(content)
+    keys = set(there) if isinstance(there, dict) else set()
+    for marks, name in _WRITTEN:
+        if marks <= keys and name.split(",")[0] != expected:
+            return f"this is {name}, expected {expected}."
+    where = ".".join(str(part) for part in first["loc"]) or "the file"
+    if first["type"] == "missing":
+        return f"{where} is missing, expected {expected}."
+    got = represented(first["input"], 60)
+    told = first["msg"][:1].lower() + first["msg"][1:]
+    told = told.replace("input should be", "it should be").removeprefix("value error, ")
+    return f"{where} is wrong, got {got}: {told}."
+
+
+def _not_json(content: bytes, expected: str) -> str:
+    """Where a text stops being JSON."""
+    try:
+        json.loads(content)
+    except json.JSONDecodeError as error:
+        ends = error.pos >= len(content.decode(errors="replace").rstrip())
+        line = error.doc.splitlines()[error.lineno - 1][:60] if error.doc.strip() else ""
+        if ends or error.msg.startswith("Unterminated"):
+            return f"the file is cut: it ends in row {error.lineno}, after {line.strip()!r}."
+        return f"it isn't JSON, expected {expected}: row {error.lineno}, got {line.strip()!r}."
+    except UnicodeDecodeError as error:
+        return f"it isn't text, got the byte 0x{content[error.start]:02x}, expected {expected}."
+    return f"it isn't JSON as the verbs write it, expected {expected}."

@@ -98,12 +98,15 @@ def possible_height(robot: Robot, height: Float[Array, ""]) -> Float[Array, ""]:
     return refuse(place, ~((known >= 0) & (known <= top)), message)
 
 
-def _possible_place(value: Any, name: str) -> Float[Array, ""]:
+def _possible_place(robot: Robot, value: Any, name: str) -> Float[Array, ""]:
+    """A carriage's place in the frame, or about it: a simulation may begin a little outside."""
     place = _single(value, name)
+    known, width = concrete(place), concrete(robot.frame.width)
     message = (
-        f"`{name}` must be finite [m], got {measured(place, 'm')}. Give a place in the frame."
+        f"`{name}` must be in the frame [m], got {measured(place, 'm')}. Give a place from 0 "
+        f"to the frame's width, {measured(width, 'm')}."
     )
-    return refuse(place, ~(abs(concrete(place)) < np.inf), message)
+    return refuse(place, ~((known >= -width) & (known <= 2 * width)), message)
 
 
 def _single(value: Any, name: str) -> Float[Array, ""]:
@@ -172,7 +175,10 @@ def rest(
         ValueError: If a place isn't one number, isn't finite, or the height isn't within the
             frame; NaN where it is traced.
     """
-    lower, upper = _possible_place(lower, "lower"), _possible_place(upper, "upper")
+    lower, upper = (
+        _possible_place(robot, place, name)
+        for place, name in ((lower, "lower"), (upper, "upper"))
+    )
     height = possible_height(robot, height)
     slope = (lower - upper) / robot.frame.height
     position = jnp.stack([lower - slope * height, jnp.arctan(slope), lower, upper, height])

@@ -22,7 +22,7 @@ def axis_figure(log: AxisLog, estimate: DriveAxisEstimate) -> Figure:
     unit = "mm" if log.position_unit == "m" else "mrad"
     time, measured = np.asarray(log.time), 1e3 * np.asarray(log.position)
     simulated = 1e3 * np.asarray(estimate.positions)
-    figure = style.new_figure(height=5.6)
+    figure = style.new_figure(height=6.4, width=5.0)
     position, residual, command = figure.subplots(
         3, 1, sharex=True, height_ratios=(2, 1.2, 0.9)
     )

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
 from experiments.page import style
 from experiments.page.number_text import percent
@@ -83,7 +83,7 @@ def intervals(
         The figure.
     """
     rows = relative_intervals(parameters, truth=truth)
-    figure, (axes,) = style.panels(1, 1, height=1.2 + 0.38 * len(rows), width=9.0)
+    figure, (axes,) = style.panels(1, 1, height=1.4 + 0.5 * len(rows), width=5.0)
     sizes = [100 * row.half_width for row in rows if 0 < row.half_width < np.inf]
     errors = [100 * abs(row.error) for row in rows if row.error]
     least = 10 ** np.floor(np.log10(min([*sizes, *errors, 1.0])) - 0.3)
@@ -91,14 +91,17 @@ def intervals(
     for place, row in enumerate(rows):
         end = min(max(100 * row.half_width, least), most)
         axes.plot([least, end], [place, place], color=style.BLUE, lw=7, solid_capstyle="butt")
-        note = f"±{percent(row.half_width)}  {row.status.replace('_', ' ')}"
+        known = f"±{percent(row.half_width)}, " if np.isfinite(row.half_width) else ""
         axes.annotate(
-            note,
-            (end, place),
-            xytext=(7, 8 if row.error else 0),
+            f"{row.name}: {known}{row.status.replace('_', ' ')}",
+            (0.0, place - 0.32),
+            xycoords=("axes fraction", "data"),
+            xytext=(2, 0),
             textcoords="offset points",
             va="center",
-            fontsize=9,
+            # Dashed lines go behind the words, not through them.
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+            zorder=4,
         )
         if row.error:
             axes.plot(
@@ -108,12 +111,12 @@ def intervals(
         # A standard error's limit, drawn at the two of them that half an interval is about.
         axes.axvline(200 * limit, color=style.GREY, ls="--", lw=0.9)
         axes.annotate(
-            f"{text} →",
+            text,
             (200 * limit, 1.0),
             xycoords=("data", "axes fraction"),
-            xytext=(2, 2),
+            xytext=(0, 3),
             textcoords="offset points",
-            fontsize=8,
+            ha="center" if limit == WEAK else "left",
             color=style.GREY,
         )
     if any(row.error for row in rows):
@@ -129,11 +132,12 @@ def intervals(
         )
         axes.plot([], [], color=style.BLUE, lw=7, label="half of the 95 % interval")
         figure.legend(loc="outside upper right", ncols=2)
-    axes.set(xscale="log", xlim=(least, 3 * most), ylim=(len(rows) - 0.4, -0.6))
-    axes.set_yticks(range(len(rows)), [row.name for row in rows], color=style.BLACK)
+    axes.set(xscale="log", xlim=(least, 3 * most), ylim=(len(rows) - 0.6, -0.75))
+    axes.set_yticks([])
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
     axes.set_xlabel("half of the 95 % interval, relative to the value [%]")
+    axes.xaxis.set_major_locator(LogLocator(numticks=6))
     axes.xaxis.set_major_formatter(style.one_digit)
     axes.xaxis.set_minor_locator(NullLocator())
     return figure

@@ -18,7 +18,7 @@ def ring_down_figure(decay: KnockDecay) -> Figure:
         The figure.
     """
     fit = decay.ring_down
-    figure, (left, right) = style.panels(1, 2, widths=(2.2, 1.0), height=2.5)
+    figure, (left, right) = style.panels(1, 2, widths=(1.5, 1.0), width=8.3, height=2.6)
     left.plot(
         decay.time,
         1e3 * decay.displacement,
@@ -43,8 +43,7 @@ def ring_down_figure(decay: KnockDecay) -> Figure:
     sigma = fit.frequency_sigma
     right.set_title(
         f"{rounded(fit.frequency, sigma)} ± {rounded(sigma, sigma)} Hz",
-        color=style.VERMILION,
-        fontsize=10,
+        color=style.RED_WORDS,
     )
     right.set_ylim(bottom=0)
     right.axvline(fit.fft_frequency, color=style.GREY, ls=":", lw=1.2)

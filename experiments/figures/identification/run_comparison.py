@@ -28,9 +28,9 @@ def run_comparison(comparison: Comparison) -> Figure:
     """
     seen = [name for name in _PANELS if _is_seen(comparison, name)]
     count = len(seen) + 1 + len(ENCODERS)
-    columns = 3 if count == 3 else 2
+    columns = 2
     rows = -(-count // columns)
-    figure, grid = style.panels(rows, columns, sharex=True, height=0.6 + 1.7 * rows)
+    figure, grid = style.panels(rows, columns, sharex=True, height=0.6 + 2.0 * rows)
     for axes, name in zip(grid, seen, strict=False):
         _camera_panel(axes, comparison, name)
     _command_panel(grid[len(seen)], comparison)
@@ -38,14 +38,15 @@ def run_comparison(comparison: Comparison) -> Figure:
         _encoder_panel(axes, comparison, index)
     for axes in grid[count:]:
         axes.set_axis_off()
-    for axes in grid[max(count - columns, 0) : count]:
+    # On a phone each panel stands by itself.
+    for axes in grid[:count]:
         axes.xaxis.set_tick_params(labelbottom=True)
         axes.set_xlabel("time [s]")
     _legend(figure, seen)
     if comparison.held_out:
         figure.suptitle(
-            "NOT FITTED: this run is predicted from the others",
-            color=style.VERMILION,
+            "NOT FITTED: predicted from the others",
+            color=style.RED_WORDS,
             weight="bold",
             ha="left",
             x=0.01,
@@ -104,7 +105,7 @@ def _command_panel(axes: Axes, comparison: Comparison) -> None:
 
 
 def _name(axes: Axes, meaning: str, name: str) -> None:
-    axes.set_title(meaning, fontsize=9, weight="normal", color=style.GREY)
+    axes.set_title(meaning, weight="normal", color=style.GREY)
     axes.set_ylabel(name)
 
 

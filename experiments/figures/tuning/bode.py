@@ -20,7 +20,7 @@ def bode(loop: OpenLoop, margins: Margins) -> Figure:
     Returns:
         The figure.
     """
-    figure, (above, below) = style.panels(2, 1, sharex=True, height=4.4, width=9.0)
+    figure, (above, below) = style.panels(2, 1, sharex=True, height=5.0, width=5.0)
     above.semilogx(loop.angular_frequency, loop.gain, color=style.BLUE)
     below.semilogx(loop.angular_frequency, loop.phase, color=style.BLUE)
     above.axhline(0, color=style.GREY, lw=0.8)
@@ -39,8 +39,9 @@ def bode(loop: OpenLoop, margins: Margins) -> Figure:
             axes.axvline(at_phase, color=style.BLACK, ls=":", lw=1.2)
         above.plot([at_phase] * 2, [-gain_margin, 0], color=style.BLACK, lw=4)
         titles.append(f"gain margin {plain(gain_margin, 3)} dB at {plain(at_phase, 3)} rad/s")
-    above.set(title=";  ".join(titles), ylabel="gain [dB]")
+    above.set(title="\n".join(titles), ylabel="gain [dB]")
     below.set(ylabel="phase [°]", xlabel="angular frequency [rad/s]")
+    below.xaxis.set_major_formatter(style.one_digit)
     low = max(float(loop.phase.min()), -360.0)
     below.set_ylim(low - 10, loop.phase.max() + 20)
     return figure

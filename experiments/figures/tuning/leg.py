@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from experiments.figures.tuning.tracking import draw_commands, name_commands
 from experiments.page import style
-from experiments.studies.planned_leg import SIDES, Compared
+from experiments.studies.legs.planned_leg import SIDES, Compared
 from scdpr_jax.legs.leg import Leg
 from scdpr_jax.legs.measures import SETTLED
 

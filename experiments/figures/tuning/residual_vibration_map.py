@@ -34,7 +34,7 @@ def residual_vibration_map(
     Returns:
         The figure.
     """
-    figure, grid = style.panels(len(maps), 1, height=3.9 * len(maps) + 0.2, width=9.0)
+    figure, grid = style.panels(len(maps), 1, height=3.2 * len(maps) + 0.7, width=5.0)
     highest = max(_LEAST_SCALE, *(one.worst.value for one in maps))
     # Rounded, or 100 % and a rounding would take a level more.
     levels = _LEVELS.tick_values(0, round(100 * highest, 9))
@@ -54,7 +54,9 @@ def residual_vibration_map(
             ylabel="yₑ [mm]",
             title=f"nominal pretension {one.pretension:g} N",
         )
-    bar = figure.colorbar(filled, ax=list(grid), shrink=0.8, pad=0.01)
+    bar = figure.colorbar(
+        filled, ax=list(grid), orientation="horizontal", shrink=0.9, pad=0.02, aspect=30
+    )
     bar.set_label("vibration left, at worst [%]")
     return figure
 

@@ -34,7 +34,7 @@ def shaper_response(shapers: Sequence[NamedShaper], *, tolerance: float = 0.05) 
     low = 0.5 * min(named.band[0] for named in shapers)
     high = 1.5 * max(named.band[1] for named in shapers)
     frequency = np.linspace(low, high, _POINTS)
-    figure, (left, right) = style.panels(1, 2, widths=(2.0, 1.0), height=3.8)
+    figure, (left, right) = style.panels(1, 2, widths=(1.4, 1.0), width=8.6, height=3.6)
     highest = 100.0
     for (color, dashes), named in zip(itertools.cycle(_STYLES), shapers, strict=False):
         curve = 100 * named.residual(frequency)

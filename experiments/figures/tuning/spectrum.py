@@ -100,7 +100,7 @@ def duration_against_vibration(design: SpectrumDesign) -> Figure:
     Returns:
         The figure.
     """
-    figure, (axes,) = style.panels(1, 1, height=3.8)
+    figure, (axes,) = style.panels(1, 1, height=4.2, width=5.0)
     durations, vibrations = front_curve(design)
     axes.plot(
         durations,

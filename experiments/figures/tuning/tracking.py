@@ -1,4 +1,4 @@
-"""A manoeuvre under control before and after tuning."""
+"""A manoeuvre under control before and after tuning, each run's lag taken off."""
 
 import numpy as np
 from jaxtyping import Float
@@ -6,10 +6,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiments.page import style
-from experiments.studies.findings.responses import tracking_numbers
+from experiments.page.number_text import plain
+from experiments.studies.in_space import InSpace, in_space
 from scdpr_jax.legs.leg import Leg
 
-_SIDES = (("before", style.VERMILION, 1.3), ("after", style.BLUE, 1.7))
+SIDES = (("before", style.VERMILION, 1.3), ("after", style.BLUE, 1.7))
+"""Both sides' names, colours and widths of their lines."""
 
 
 @style.styled
@@ -24,7 +26,7 @@ def tracking(before: Leg, after: Leg, *, voltage_limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure, (position, error, rest, command) = style.panels(2, 2, height=6.2)
+    figure, (position, error, rest, command) = style.panels(2, 2, height=6.4)
     axis = int(np.ptp(before.reference[:, 1]) > np.ptp(before.reference[:, 0]))
     position.plot(
         *style.thinned(before.time, 1e3 * before.reference[:, axis]),
@@ -34,23 +36,41 @@ def tracking(before: Leg, after: Leg, *, voltage_limit: float) -> Figure:
         zorder=3,
         label="reference",
     )
-    for run, (name, color, width) in zip((before, after), _SIDES, strict=True):
-        numbers = tracking_numbers(run)
+    for run, (name, color, width) in zip((before, after), SIDES, strict=True):
+        placed = in_space(run)
         position.plot(
-            *style.thinned(run.time, 1e3 * run.pose[:, axis]), color=color, lw=width, label=name
+            *style.thinned(placed.time, 1e3 * placed.pose[:, axis]),
+            color=color,
+            lw=width,
+            label=lagging(name, placed),
         )
-        error.plot(*style.thinned(run.time, 1e3 * numbers.error), color=color, lw=width)
-        since = run.time[-numbers.rest.size :] - numbers.arrival
-        rest.plot(*style.thinned(since, 1e3 * numbers.rest), color=color, lw=width)
+        error.plot(*style.thinned(placed.time, 1e3 * placed.distance), color=color, lw=width)
+        late = placed.time >= placed.arrival
+        since = placed.time[late] - placed.arrival
+        rest.plot(*style.thinned(since, 1e3 * placed.off[late, 0]), color=color, lw=width)
         draw_commands(command, run.time, run.voltage, color=color)
+    rest.axhline(0, color=style.BLACK, lw=0.8, ls="--")
     name_commands(command, voltage_limit=voltage_limit)
-    _name(position, "position", f"{('xₑ', 'yₑ')[axis]} [mm]")
-    _name(error, "distance from the unshaped reference, Eq. (26)", "εₑ [mm]")
-    _name(rest, "what is left after the arrival", "xₑ about its mean [mm]")
-    rest.set_xlabel("time after the arrival [s]")
+    clock = "time of the reference [s]"
+    _name(position, "position", f"{('xₑ', 'yₑ')[axis]} [mm]", clock)
+    _name(error, "distance from the reference, lag taken off", "distance [mm]", clock)
+    _name(rest, "after the arrival", "xₑ from the target [mm]", "time after the arrival [s]")
     error.set_ylim(bottom=0)
     style.figure_legend(figure, position)
     return figure
+
+
+def lagging(name: str, placed: InSpace) -> str:
+    """A run's name with the lag that was taken off.
+
+    Args:
+        name: Its name.
+        placed: The run.
+
+    Returns:
+        "after, 0.43 s behind".
+    """
+    return f"{name}, {plain(placed.lag)} s behind"
 
 
 def draw_commands(
@@ -81,8 +101,8 @@ def name_commands(axes: Axes, *, voltage_limit: float) -> None:
     """
     for limit in (-voltage_limit, voltage_limit):
         axes.axhline(limit, color=style.GREY, ls="--", lw=1)
-    _name(axes, "commands and their limits", "V₁ (solid), V₂ (dashed) [V]")
+    _name(axes, "commands and their limits", "V₁ (solid), V₂ (dashed) [V]", "time [s]")
 
 
-def _name(axes: Axes, title: str, name: str) -> None:
-    axes.set(title=title, ylabel=name, xlabel="time [s]")
+def _name(axes: Axes, title: str, name: str, clock: str) -> None:
+    axes.set(title=title, ylabel=name, xlabel=clock)

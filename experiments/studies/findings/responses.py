@@ -10,7 +10,6 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper, residual_vibration
-from scdpr_jax.legs.leg import Leg
 from tuning.loop.plant import MotorPlant
 from tuning.loop.responses import sampled_loop
 
@@ -85,30 +84,3 @@ def _residual(
     return jax.vmap(lambda f: residual_vibration(shaper, frequency=f, damping_ratio=ratio))(
         frequency
     )
-
-
-class TrackingNumbers(NamedTuple):
-    """What a run's figure shows besides its traces."""
-
-    error: Float[np.ndarray, " samples"]
-    """Distance of the end-effector from the unshaped reference, Eq. (26) [m]."""
-    arrival: float
-    """When the commanded reference has come to rest [s]."""
-    rest: Float[np.ndarray, " rest"]
-    """What $x_e$ does after the arrival, about its mean [m]."""
-
-
-def tracking_numbers(run: Leg) -> TrackingNumbers:
-    r"""Errors of a run, $\varepsilon_e = |Q_e^* - Q_e|$, Eq. (26), and its rest.
-
-    Args:
-        run: The run.
-
-    Returns:
-        Its numbers.
-    """
-    error = np.linalg.norm(run.reference - run.pose, axis=1)
-    moving = np.flatnonzero(np.any(np.diff(run.commanded, axis=0) != 0, axis=1))
-    arrived = int(moving[-1]) + 1 if moving.size else 0
-    rest = run.pose[arrived:, 0]
-    return TrackingNumbers(error, float(run.time[arrived]), rest - rest.mean())

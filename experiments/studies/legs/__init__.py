@@ -1,1 +1,1 @@
-"""Plans of many legs, shared out: `scdpr plan --legs`."""
+"""Legs as they are planned, compared and logged; many of them, shared out."""

@@ -6,7 +6,7 @@ from typing import Annotated
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, pasted, suggest, wrote
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
 
@@ -86,5 +86,8 @@ def design(
     with whole_file(drawn) as scratch:
         next_run_figure(rig, aim, candidates).savefig(scratch, format="png", dpi=150)
     wrote(out, drawn)
-    suggest("scdpr identify CAMPAIGN --out DIR, with the new run in its folder")
+    suggest(
+        "make the run, log it into a new folder of the campaign",
+        f"scdpr identify CAMPAIGN --out {pasted(parameters.resolve().parent)}",
+    )
     return status

@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up
-from experiments.verbs.console import OUT, Folder, suggest, wrote
+from experiments.verbs.console import OUT, Folder, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE
 from experiments.verbs.places import require_outside, try_out
 
@@ -44,7 +44,13 @@ def frequencies(
     write_frequencies(knocks, out / "frequencies.csv")
     summary.show_frequencies(OUT, knocks)
     for note in (*read.accepted, *ringing_doubts(knocks, FitOptions().prior(read))):
-        OUT.print(f"note: {note}", markup=False)
+        say(f"note: {note}")
     wrote(out / "frequencies.csv")
-    suggest(f"scdpr tune --parameters P --frequencies {out / 'frequencies.csv'} --out {out}")
+    parameters = out / "parameters.json"
+    if not parameters.exists():
+        suggest(f"scdpr identify {pasted(campaign)} --out {pasted(out)}")
+    suggest(
+        f"scdpr tune --parameters {pasted(parameters)} --frequencies "
+        f"{pasted(out / 'frequencies.csv')} --out {pasted(out)}"
+    )
     return DONE

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, suggest, tell_distrusted, wrote
+from experiments.verbs.console import (
+    ERRORS,
+    OUT,
+    pasted,
+    say,
+    suggest,
+    tell_distrusted,
+    wrote,
+)
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from experiments.verbs.places import require_outside, try_out
 
@@ -76,6 +84,7 @@ def identify(
     # What is wrong with the input is said before anything heavy is imported.
     from experiments.runtime.executors.chosen import require_cluster
     from experiments.studies.campaigns.places import is_one, places
+    from experiments.verbs.names import free_quantities
     from identification.doctor.accepted import require_identifiers
 
     require_cluster(cluster, certificates, cores)
@@ -84,7 +93,7 @@ def identify(
         require_outside(out, campaign)
 
     asked = {
-        "free": free,
+        "free": free_quantities(free),
         "hold_out": hold_out,
         "measured": measured,
         "camera_drifts": camera_drifts,
@@ -123,6 +132,7 @@ def _one(
 ) -> int:
     """A campaign by itself, with all that is to be said of it."""
     from experiments.verbs.log_doctor import examined
+    from experiments.verbs.names import run_names
     from identification.campaign import read_campaign
 
     try_out(out / "parameters.json")
@@ -131,13 +141,14 @@ def _one(
     )
     if read is None:
         return BAD_INPUT
+    held_out = run_names(read, asked["hold_out"])
     set_up()
     from experiments.reports import summary
     from experiments.studies.findings.findings import findings
     from experiments.studies.identified import identified
     from identification.result.parameters_file import write_parameters
 
-    question = _question(asked)
+    question = _question(asked | {"hold_out": held_out})
     with shown_progress(ERRORS) as progress:
         fitted, traced, drawn = identified(read, question, progress=progress)
     write_parameters(out / "parameters.json", fitted, traced, drawn, read.accepted)
@@ -145,12 +156,12 @@ def _one(
     summary.show(OUT, calibration, profiles=traced, posterior=drawn)
     summary.show_influence(OUT, calibration)
     for note in read.accepted:
-        OUT.print(f"note: {note}", markup=False)
+        say(f"note: {note}")
     wrote(out / "parameters.json")
     if not fitted.fits:
-        suggest(f"scdpr check {campaign}")
+        suggest(f"scdpr check {pasted(campaign)}")
         return FELL_SHORT
-    suggest(f"scdpr frequencies {campaign} --out {out}")
+    suggest(f"scdpr frequencies {pasted(campaign)} --out {pasted(out)}")
     return DONE
 
 

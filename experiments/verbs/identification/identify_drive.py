@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up
-from experiments.verbs.console import ERRORS, OUT, Folder, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 from experiments.verbs.places import try_out
 
@@ -43,4 +43,5 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     report.write_drive_report(out / "report.html", log=read, laws=laws)
     summary.show_axis(OUT, laws)
     wrote(out / "parameters.json", out / "report.html")
+    suggest(open_call(out / "report.html"))
     return DONE if laws.usual.converged and laws.preferred.fits else FELL_SHORT

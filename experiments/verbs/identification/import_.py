@@ -5,9 +5,9 @@ from typing import Annotated
 
 import tyro
 
-from experiments.verbs.console import ERRORS, OUT, suggest, wrote
+from experiments.verbs.console import ERRORS, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import DONE
-from experiments.verbs.places import try_out
+from experiments.verbs.places import results_of, try_out
 
 
 def import_(
@@ -53,13 +53,15 @@ def _import(mapping: pathlib.Path, into: pathlib.Path) -> int:
         campaign = import_campaign(mapping, into)
     for run in campaign.runs:
         frames = 0 if run.camera is None else len(run.camera.time)
-        OUT.print(
+        say(
             f"{run.name}: {run.kind}, {len(run.drive.time)} samples, {frames} frames",
-            markup=False,
         )
     _ask_the_doctor(into)
     wrote(*(into / run.name for run in campaign.runs))
-    suggest(f"scdpr check {into}", f"scdpr calibrate {into} --out DIR")
+    suggest(
+        f"scdpr check {pasted(into)}",
+        f"scdpr calibrate {pasted(into)} --out {pasted(results_of(into))}",
+    )
     return DONE
 
 
@@ -72,16 +74,16 @@ def _ask_the_doctor(into: pathlib.Path) -> None:
     read = check_campaign(into)
     findings = () if read.campaign is None else examine(read.campaign)
     for fault in read.faults:
-        OUT.print(f"fault: {fault}", markup=False)
+        say(f"fault: {fault}")
     for note in read.notes:
-        OUT.print(f"note: {note}", markup=False)
+        say(f"note: {note}")
     for finding in findings:
-        OUT.print(f"{finding.severity}: {finding}", markup=False)
+        say(f"{finding.severity}: {finding}")
     changes = mapping_changes((f.id, f.runs, f.mend) for f in findings if f.mend is not None)
     if changes:
-        OUT.print("In the mapping, these would put it right; nothing of it is done:")
+        say("In the mapping, these would put it right; nothing of it is done:")
     for line in changes:
-        OUT.print(f"  {line}", markup=False, soft_wrap=True)
+        say(f"  {line}")
 
 
 def _propose(
@@ -91,7 +93,11 @@ def _propose(
 
     proposal = propose_mapping(logs, mapping, into=into)
     for line in proposal.told:
-        OUT.print(line, markup=False, soft_wrap=True)
+        say(line)
     wrote(mapping)
-    suggest(f"read {mapping}, correct it", f"scdpr import {mapping} --into CAMPAIGN")
+    campaign = mapping.with_name("campaign") if into is None else into
+    suggest(
+        f"read {mapping}, correct it",
+        f"scdpr import {pasted(mapping)} --into {pasted(campaign)}",
+    )
     return DONE

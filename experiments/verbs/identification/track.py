@@ -4,7 +4,7 @@ import pathlib
 from typing import TYPE_CHECKING
 
 from experiments.runtime import shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, Folder, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 from experiments.verbs.places import try_out
 
@@ -32,7 +32,10 @@ def track(
         propose: TOML file to write for the video: its colours, marks and markers as they are
             found, the rest left to be filled in, and a picture with their numbers.
     """
-    try_out(*(path for path in (out, overlay, json, propose) if path is not None))
+    files = {"--out": out, "--overlay": overlay, "--json": json, "--propose": propose}
+    for name, path in files.items():
+        if path is not None:
+            try_out(path, name=name)
     if propose is not None:
         return _propose(vision, propose)
     if out is None:
@@ -63,7 +66,7 @@ def track(
         call = (
             "see with --overlay FILE.mp4 which markers aren't found, and describe their colours"
         )
-        OUT.print(f"fewer than half of the pictures have every pose: {call}", markup=False)
+        say(f"fewer than half of the pictures have every pose: {call}")
         return FELL_SHORT
     return DONE
 
@@ -74,24 +77,22 @@ def _show(tracked: "Tracked") -> None:
     told = summary(tracked)
     lens = tracked.marks.view.lens.rms
     board = "lens as stated" if lens is None else f"board {lens:.3f} px"
-    OUT.print(
+    say(
         f"{told['frames']} pictures, {told['posed']} with every pose; "
         f"{told['dropped']} dropped, {told['doubled']} doubled; "
         f"{board}, marks {tracked.marks.rms:.3f} px (rms)",
-        markup=False,
     )
-    OUT.print(
+    say(
         "standard deviations: "
         + ", ".join(f"{name} {value}" for name, value in told["sigma"].items() if value),
-        markup=False,
     )
     for warning in tracked.warnings:
-        OUT.print(f"note: {warning}", markup=False)
-    OUT.print("\nin campaign.toml, so that a fit weighs this camera as it is:", markup=False)
-    OUT.print("  [sensors]", markup=False)
+        say(f"note: {warning}")
+    say("\nin campaign.toml, so that a fit weighs this camera as it is:")
+    say("  [sensors]")
     for name in ("camera_position_sigma", "camera_angle_sigma"):
         if told[name]:
-            OUT.print(f'  {name} = "{told[name]}"', markup=False)
+            say(f'  {name} = "{told[name]}"')
 
 
 def _propose(video: pathlib.Path, target: pathlib.Path) -> int:
@@ -100,7 +101,10 @@ def _propose(video: pathlib.Path, target: pathlib.Path) -> int:
     with shown_progress(ERRORS) as progress:
         proposal = propose(video, target, progress=progress)
     for line in proposal.lines:
-        OUT.print(line, markup=False)
+        say(line)
     wrote(target, proposal.picture)
-    suggest(f"fill in what is empty in {target}", f"scdpr track {target} --out camera.csv")
+    suggest(
+        f"fill in what is empty in {target}",
+        f"scdpr track {pasted(target)} --out {pasted(target.with_name('camera.csv'))}",
+    )
     return DONE

@@ -3,7 +3,17 @@
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, plan_call, suggest, wrote
+from experiments.verbs.console import (
+    ERRORS,
+    OUT,
+    Folder,
+    open_call,
+    pasted,
+    plan_call,
+    say,
+    suggest,
+    wrote,
+)
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from experiments.verbs.places import require_outside, try_out
 
@@ -41,6 +51,7 @@ def calibrate(
     """
     # What is wrong with the input is said before anything heavy is imported.
     from experiments.verbs.log_doctor import examined
+    from experiments.verbs.names import free_quantities, run_names
     from identification.campaign import read_campaign
 
     require_outside(out, campaign)
@@ -50,7 +61,9 @@ def calibrate(
     )
     if read is None:
         return BAD_INPUT
+    held_out = None if hold_out is None else run_names(read, hold_out)
     set_up()
+    freed = free_quantities(free)
     from experiments.page.drawing import drawing_aside
     from experiments.reports import summary
     from experiments.reports.report import FitPictures
@@ -63,8 +76,8 @@ def calibrate(
         pictures = FitPictures(read, draw=draw)
         findings = pipeline.calibrate(
             read,
-            free=free or None,
-            hold_out=hold_out,
+            free=freed or None,
+            hold_out=held_out,
             measured=otherwise,
             clock_drifts=camera_drifts,
             force=force,
@@ -75,14 +88,14 @@ def calibrate(
         written = write_calibration(findings, out, pictures=pictures)
     summary.show(OUT, findings)
     for note in findings.notes:
-        OUT.print(f"note: {note}", markup=False)
+        say(f"note: {note}")
     wrote(*written.paths)
-    suggest(f"open {written.report}")
+    suggest(open_call(written.report))
     if not findings.estimate.fits:
-        suggest(f"scdpr check {campaign}")
+        suggest(f"scdpr check {pasted(campaign)}")
         return FELL_SHORT
     suggest(
-        f"scdpr simulate --parameters {written.parameters} --out DIR",
+        f"scdpr simulate --parameters {pasted(written.parameters)} --out {pasted(out)}",
         plan_call(out / "tuning.json"),
     )
     return DONE

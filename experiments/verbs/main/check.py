@@ -4,9 +4,9 @@ import pathlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import OUT, Folder, complain, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
-from experiments.verbs.places import require_outside, try_out
+from experiments.verbs.places import require_outside, results_of, try_out
 
 if TYPE_CHECKING:
     from identification.campaign import RunSummary
@@ -29,39 +29,41 @@ def check(
             itself stays as it is.
     """
     from identification.campaign import CampaignError, check_campaign
+    from identification.campaign.faults import grouped
     from identification.doctor import examine, write_findings
     from identification.doctor.findings import from_fault
     from identification.doctor.mend import mend as write_mended
 
     if mend is not None:
         require_outside(mend, campaign)
-        try_out(mend / "campaign.toml")
+        try_out(mend / "campaign.toml", name="--mend")
     if json is not None:
-        try_out(json)
+        try_out(json, name="--json")
     read = check_campaign(campaign)
     findings = () if read.campaign is None else examine(read.campaign)
     _print_runs(read.runs)
-    for told in (*read.notes, *(each for each in findings if each.severity == "note")):
-        OUT.print(f"note: {told}", markup=False)
+    for line in grouped((note.file, "", note.text) for note in read.notes):
+        say(f"note: {line}")
     contradictions = [each for each in findings if each.severity != "note"]
-    for each in contradictions:
-        OUT.print(f"{each.severity}: {each}", markup=False)
+    for each in (*(each for each in findings if each.severity == "note"), *contradictions):
+        say(f"{each.severity}: {each}")
     if json is not None:
         write_findings((*map(from_fault, read.faults), *findings), json)
         wrote(json)
     if read.faults:
-        print(f"scdpr check: {CampaignError(campaign, read.faults)}", file=ERRORS.file)
+        complain(f"scdpr check: {CampaignError(campaign, read.faults)}")
         return BAD_INPUT
-    OUT.print(f"{len(read.runs)} runs, {_number(len(contradictions))}.")
+    say(f"{len(read.runs)} runs, {_number(len(contradictions))}.")
     if mend is not None:
         for each in write_mended(read.campaign, mend):
-            OUT.print(f"mended: {each.id} in {len(each.runs)} runs", markup=False)
+            say(f"mended: {each.id} in {len(each.runs)} runs")
         wrote(mend)
-        suggest(f"scdpr check {mend}")
+        suggest(f"scdpr check {pasted(mend)}")
     elif contradictions:
-        suggest(f"scdpr check {campaign} --mend OUT")
+        mended = results_of(campaign).with_name(f"{campaign.resolve().name}-mended")
+        suggest(f"scdpr check {pasted(campaign)} --mend {pasted(mended)}")
     else:
-        suggest(f"scdpr calibrate {campaign} --out DIR")
+        suggest(f"scdpr calibrate {pasted(campaign)} --out {pasted(results_of(campaign))}")
     return FELL_SHORT if contradictions else DONE
 
 
@@ -78,8 +80,19 @@ def _print_runs(runs: "Sequence[RunSummary]") -> None:
 
     rows = []
     for run in runs:
-        numbers = (run.pretension, run.duration, run.rows, run.camera_rows)
-        force, duration, samples, frames = ("–" if n is None else f"{n:g}" for n in numbers)
-        rows.append((run.name, run.kind or "–", f"{force} N", f"{duration} s", samples, frames))
+        if run.kind is None:
+            rows.append((run.name, "can't be read", "–", "–", "–", "–"))
+            continue
+        rows.append(
+            (
+                run.name,
+                run.kind,
+                f"{run.pretension:g} N",
+                f"{run.duration:g} s",
+                str(run.rows),
+                str(run.camera_rows),
+            )
+        )
     header = ("run", "kind", "pretension", "duration", "rows", "frames")
-    print_table(OUT, Table("", header, tuple(rows), words=(0, 1)))
+    if rows:
+        print_table(OUT, Table("", header, tuple(rows), words=(0, 1), spare=((4,), (5,))))

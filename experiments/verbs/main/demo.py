@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, open_call, pasted, plan_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 from experiments.verbs.places import try_out
 
@@ -53,9 +53,8 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         written = write_calibration(findings, out, truth=truth.values, pictures=pictures)
     summary.show(OUT, findings, truth=truth.values)
     wrote(logs, *written.paths)
-    suggest(
-        f"open {written.report}",
-        f"scdpr check {logs}",
-        "scdpr calibrate YOUR-CAMPAIGN --out DIR",
-    )
+    suggest(open_call(written.report), f"scdpr check {pasted(logs)}")
+    if written.tuning is not None:
+        suggest(plan_call(written.tuning.tuning))
+    suggest("scdpr import YOUR-LOGS --propose mapping.toml")
     return DONE if covers(findings.estimate, truth.values) else FELL_SHORT

@@ -1,10 +1,12 @@
 """`scdpr benchmark`: error beside speed, for this engine and its peers."""
 
 import pathlib
-from typing import Literal
+from typing import Annotated, Literal
+
+import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, wrote
+from experiments.verbs.console import ERRORS, OUT, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE
 from experiments.verbs.places import try_out
 
@@ -22,7 +24,7 @@ Row = Literal[
 
 def benchmark(
     out: pathlib.Path,
-    only: tuple[Row, ...] = (),
+    only: Annotated[tuple[Row, ...], tyro.conf.arg(metavar="[ROW …]")] = (),
     repeats: int = 5,
     largest_batch: int = 4096,
 ) -> int:
@@ -33,7 +35,8 @@ def benchmark(
 
     Args:
         out: Folder for performance.md and performance.json.
-        only: Rows to measure; default: all of them.
+        only: Rows to measure: forward-linear, forward-nonlinear, jacobian-linear,
+            jacobian-nonlinear, cores, fit, frequencies, cold-start; default: all of them.
         repeats: Times that a median is of.
         largest_batch: Largest batch of runs, to try it out.
     """
@@ -67,6 +70,7 @@ def benchmark(
             # Every program keeps some hundred maps of memory, and a process has 65,530.
             jax.clear_caches()
     rows = tuple(report.cells(line) for line in lines)
-    print_table(OUT, Table("", report.HEADER, rows, words=(0, 1, 8)))
+    print_table(OUT, Table("", report.HEADER, rows, words=(0, 1, 8), spare=((8,), (5,), (6,))))
     wrote(*written)
+    suggest(open_call(out / "performance.md"))
     return DONE

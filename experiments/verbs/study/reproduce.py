@@ -6,7 +6,7 @@ from typing import Annotated
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, wrote
+from experiments.verbs.console import ERRORS, open_call, say, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 from experiments.verbs.places import try_out
 
@@ -41,13 +41,13 @@ def reproduce(
         progress("report", 0.98)
         written = report.write(parts, out)
     for verdict, count in report.counts(parts).items():
-        OUT.print(f"{count:4d} {verdict.value}")
+        say(f"{count:4d} {verdict.value}")
     fallen = [each for part in parts for each in part.judged if not each.stands]
     for one in fallen:
-        OUT.print(
+        say(
             f"not borne out: {one.claim.name}: computed {one.number} {one.unit}, said to be "
-            f"{one.claim.verdict.value}",
-            markup=False,
+            f"{one.claim.verdict.value}"
         )
     wrote(*written)
+    suggest(open_call(out / "report.html"))
     return FELL_SHORT if fallen else DONE

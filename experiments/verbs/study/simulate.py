@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up
-from experiments.verbs.console import ERRORS, OUT, wrote
+from experiments.verbs.console import ERRORS, pasted, plan_call, say, suggest, wrote
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
 
@@ -46,10 +46,16 @@ def simulate(
     sound = fitted.fits and (tuned is None or not tuned.caution)
     status = ending(parameters if tuning is None or not fitted.fits else tuning, fits=sound)
     error, swing = run.measures.largest_error, run.measures.residual_vibration
-    OUT.print(
+    say(
         f"Largest error, Eq. (26): {1e3 * error:.1f} mm. Vibration after the arrival: "
         f"{1e3 * swing:.2f} mm peak to peak. Largest command: "
         f"{run.measures.largest_voltage:.2f} V."
     )
     wrote(out / "simulation.csv")
+    suggest(
+        f"scdpr tune --parameters {pasted(parameters)} --frequencies "
+        f"{pasted(parameters.with_name('frequencies.csv'))} --out {pasted(out)}"
+        if tuning is None
+        else plan_call(tuning)
+    )
     return status

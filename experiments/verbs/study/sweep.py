@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, suggest, tell_distrusted, wrote
+from experiments.verbs.console import (
+    ERRORS,
+    OUT,
+    complain,
+    open_call,
+    suggest,
+    tell_distrusted,
+    wrote,
+)
 from experiments.verbs.exit_status import DONE
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
@@ -38,7 +46,7 @@ def sweep(
         over: Axes, each "NAME=LOW..HIGH:COUNT UNIT" or "NAME=VALUE, VALUE UNIT", like
             "y=0.2..0.9:50 m" "effective_pretension=70, 85, 100 N". NAME is x, y, a
             quantity of the robot, or one of the measure's own; a wrong one lists them all.
-        out: netCDF file.
+        out: netCDF file, .nc; a picture with the same name, .png, shows it.
         parameters: parameters.json of `scdpr identify`; default: the paper's prototype.
         setting: Nominal pretension, "350 N"; default: the first of the parameters.
         precision: Of the numbers; single is enough for maps and takes half the memory.
@@ -52,14 +60,21 @@ def sweep(
 
     require_cluster(cluster, certificates, cores)
     set_up(double=precision == "double", all_cores=True)
+    from experiments.figures.sweep_map import sweep_map
     from experiments.sweep.axes import parse_axes
+    from experiments.sweep.extent import check_name, check_places, check_room
     from experiments.sweep.measures import MEASURES
     from experiments.sweep.run import sweep as run_sweep
     from experiments.sweep.show import show
+    from scdpr_jax.numerics.files import whole_file
 
+    check_name(out)
     wanted = next(m for m in MEASURES if m.name == measure)
     axes = parse_axes(over, wanted.known)
     robot, fits = _robot(parameters, setting)
+    check_places(axes, robot)
+    if warning := check_room(wanted, axes, out):
+        complain(f"warning: {warning}")
     try_out(out)
     with (
         shown_progress(ERRORS) as progress,
@@ -77,8 +92,14 @@ def sweep(
     status = DONE if parameters is None else ending(parameters, fits=fits)
     with dataset:
         show(OUT, dataset, axes=len(axes))
-    wrote(out)
-    suggest(f'python -c "import xarray; print(xarray.open_dataset({str(out)!r}))"')
+        drawn = out.with_suffix(".png")
+        with whole_file(drawn) as scratch:
+            sweep_map(dataset, axes=len(axes)).savefig(scratch, format="png", dpi=150)
+    wrote(out, drawn)
+    suggest(
+        open_call(drawn),
+        f'python -c "import xarray; print(xarray.open_dataset({str(out)!r}))"',
+    )
     return status
 
 

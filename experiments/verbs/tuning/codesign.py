@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import FELL_SHORT
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
@@ -77,5 +77,5 @@ def codesign(
     status = ending(parameters, fits=fitted.fits)
     codesign_report.show(OUT, co_design, caution=caution)
     wrote(result, report)
-    suggest(f"open {report}")
+    suggest(open_call(report))
     return status if co_design.holds else FELL_SHORT

@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, tell_distrusted, wrote
+from experiments.verbs.console import (
+    ERRORS,
+    OUT,
+    Folder,
+    open_call,
+    say,
+    suggest,
+    tell_distrusted,
+    wrote,
+)
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import parse_position, try_out
 from experiments.verbs.starting_pose import beginning
@@ -69,11 +78,11 @@ def plan(
         raise ValueError(
             "`--cluster` and `--cores` share `--legs` out, got one leg. Leave them out."
         )
+    try_out(*((out, _page_beside(out)) if legs is None else (out / "legs.csv",)))
     set_up()
     from identification.campaign.quantities import parse_quantity
     from tuning.result.document import read_tuning
 
-    try_out(*((out, _page_beside(out)) if legs is None else (out / "legs.csv",)))
     tuned = read_tuning(tuning)
     if tuned.caution and not force:
         raise ValueError(f"{tuning}: {tuned.caution} `--force` plans all the same.")
@@ -113,7 +122,7 @@ def _one(
 ) -> int:
     """A leg with the page that shows it."""
     from experiments.reports import plan_report
-    from experiments.studies.planned_leg import compare
+    from experiments.studies.legs.planned_leg import compare
     from scdpr_jax.numerics.files import write_whole
     from tuning.plan.plan_file import write_plan
     from tuning.plan.planning import plan_leg
@@ -146,7 +155,7 @@ def _one(
     status = ending(tuning, fits=not tuned.caution)
     plan_report.show(OUT, planned, compared, voltage_limit=limit, caution=tuned.caution)
     wrote(out, beside)
-    suggest(f"open {beside}")
+    suggest(open_call(beside))
     return status
 
 
@@ -160,7 +169,7 @@ def _many(
 ) -> int:
     """A table's legs, each in a file, and a table of what is expected of them."""
     from experiments.runtime.executors.chosen import chosen
-    from experiments.studies.legs.run import write_legs
+    from experiments.studies.legs.many_legs import write_legs
     from tuning.plan.legs_file import read_legs
 
     wanted = read_legs(legs, robot)
@@ -175,13 +184,13 @@ def _many(
             distrusted=tell_distrusted,
             progress=progress,
         )
-    OUT.print(
+    say(
         f"{len(wanted)} legs planned; {written.longer} take longer than asked for, as the "
         f"drives can't do them in that time; {written.plain} are the plain profile, of which "
         "less vibration is expected.",
-        soft_wrap=True,
     )
     wrote(written.table)
+    suggest(open_call(written.table))
     return ending(tuning, fits=not tuned.caution)
 
 

@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 from experiments.verbs.places import try_out
 
@@ -91,7 +91,7 @@ def shape(
     write_whole(report, shaper_report.shaper_page(file, designed))
     shaper_report.show(OUT, file, designed)
     wrote(result, report)
-    suggest(f"open {report}")
+    suggest(open_call(report))
     short = most is not None and designed.recommended.residual > most
     return FELL_SHORT if short else DONE
 
@@ -101,6 +101,11 @@ def _positive(text: str | None, *, unit: str, name: str) -> float | None:
 
     if text is None:
         return None
+    if unit == "s" and _is_number(text):
+        raise ValueError(
+            f"`{name}`: a number without its unit, got {text!r}, expected a time [s]. Write it "
+            f'like "{text} ms" or "{float(text) / 1e3:g} s".'
+        )
     value = parse_quantity(text, unit=unit, name=name)
     if not value > 0:
         raise ValueError(
@@ -108,3 +113,11 @@ def _positive(text: str | None, *, unit: str, name: str) -> float | None:
             "recommended shaper."
         )
     return value
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

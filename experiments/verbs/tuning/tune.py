@@ -3,7 +3,7 @@
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, plan_call, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, pasted, plan_call, suggest, wrote
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
 
@@ -41,7 +41,8 @@ def tune(
     summary.show_tuning(OUT, tuned)
     wrote(*written.paths)
     suggest(
-        f"scdpr simulate --parameters {parameters} --tuning {written.tuning} --out DIR",
+        f"scdpr simulate --parameters {pasted(parameters)} --tuning {pasted(written.tuning)} "
+        f"--out {pasted(out)}",
         plan_call(written.tuning),
     )
     return status

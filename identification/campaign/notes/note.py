@@ -26,8 +26,13 @@ class Note:
     remedy: str
     """What can be done about it."""
 
+    @property
+    def text(self) -> str:
+        """What, cause and remedy, wherever it was seen."""
+        return printable(f"{shortened(self.what)}. {self.cause} {self.remedy}")
+
     def __str__(self) -> str:
-        return printable(f"{self.file}: {shortened(self.what)}. {self.cause} {self.remedy}")
+        return f"{printable(self.file)}: {self.text}"
 
 
 Observation = Callable[[Run, Campaign], Iterator[Note]]

@@ -91,7 +91,9 @@ def _no_header(cells: tuple[str, ...], expected: Sequence[Column]) -> Fault | No
                 what=f"columns separated by {word}",
                 got=repr(cells[0]),
                 expected="commas between columns and points in decimals",
-                remedy=f"Export the log again with these separators: {example}",
+                remedy="Export the log again with these separators: "
+                + ",".join(part.strip() for part in cells[0].split(mark))
+                + "; or bring it in with `scdpr import`.",
             )
     if all(_is_number(cell) for cell in cells):
         return Fault(

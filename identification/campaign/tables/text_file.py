@@ -33,7 +33,7 @@ def read_text(path: Path, *, most: int) -> tuple[str, Fault | None]:
             what="the file can't be read",
             got=f"{error.strerror}",
             expected="a readable text file",
-            remedy="Check what it is and its permissions.",
+            remedy="Check what it is and its permissions; copy the log itself there.",
         )
     binary = Fault(
         what="not text in UTF-8",

@@ -16,14 +16,11 @@ from report_samples import (
     parameter,
 )
 
-from experiments.figures.identification.correlation import correlation
-from experiments.figures.identification.fit_overview import fit_overview, misfits
 from experiments.figures.identification.frequency_map import frequency_over_height
 from experiments.figures.identification.intervals import intervals, relative_intervals
 from experiments.figures.identification.residuals import residuals_in_sigma
 from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_view import cable_loop, shown_instants
-from experiments.page.coordinates import COORDINATES
 from scdpr_jax.robot.prototype import consistent
 
 
@@ -54,25 +51,6 @@ def test_lost_frames_have_no_residual():
     assert len(time) == len(values) == run.frame_time.size - 10
 
 
-def test_the_overview_has_each_channel_in_its_own_column():
-    runs = (comparison("a", off=5e-3), comparison("b", camera=False))
-    square, noise = misfits(runs)
-    for channel in runs[0].channels:
-        column = list(COORDINATES).index(channel.name)
-        assert square[0, column] == channel.chi_square
-        assert noise[0, column] == (channel.name != "x_e")
-    assert np.isnan(square[1, :5]).all()
-
-
-def test_cells_beyond_noise_are_bold():
-    figure = fit_overview((comparison("a", off=5e-3),))
-    cells = [t for t in figure.axes[0].texts if t.get_text() != "–"]
-    bold = [text.get_text() for text in cells if text.get_weight() == "bold"]
-    # (5 mm / 0.2 mm)² and the noise itself.
-    assert len(bold) == 1
-    assert float(bold[0]) == pytest.approx(626, rel=0.05)
-
-
 def test_a_relative_interval_is_half_of_the_interval_over_the_value():
     mu, _, tension = relative_intervals(estimated_parameters(), truth=TRUTH)
     assert mu.half_width == pytest.approx(2e-5 / 0.013, rel=1e-9)  # differences of ends
@@ -85,12 +63,6 @@ def test_an_unidentifiable_parameter_is_drawn_within_the_axes():
     figure = intervals([*estimated_parameters(), unknown])
     for line in figure.axes[0].lines:
         assert np.isfinite(np.asarray(line.get_xdata(), dtype=float)).all()
-
-
-def test_the_correlations_drawn_are_those_given():
-    matrix = np.array([[1.0, -0.97], [-0.97, 1.0]])
-    shown = [text.get_text() for text in correlation(["a", "b"], matrix).axes[0].texts]
-    assert shown == ["1", "−0.97", "1"]
 
 
 def test_settings_without_a_model_are_drawn_all_the_same():

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from experiments.reports.plan_report import plan_page, sentences, tables
-from experiments.studies.planned_leg import compare
+from experiments.studies.legs.planned_leg import compare
 from experiments.verbs.tuning.plan import plan
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.trajectory import rest_to_rest

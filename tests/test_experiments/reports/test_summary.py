@@ -2,57 +2,20 @@ import dataclasses
 import io
 import re
 
-import jax.numpy as jnp
-import numpy as np
+from axis_samples import axis, laws
 from report_samples import TRUTH, campaign, estimate, frequencies, tuning
 from rich.console import Console
 
 from experiments.reports import summary
 from experiments.reports.drive_report import write_drive_report
 from experiments.studies.findings.findings import findings
-from identification.axis.estimate import DOES_NOT_FIT, EXTENDED_NAMES, Change, DriveAxisEstimate
-from identification.axis.law import AxisLaws
-from identification.axis.log import AxisLog
-from identification.axis.motion import AxisParameters
+from identification.axis.estimate import DOES_NOT_FIT, Change
 
 
 def printed(show, *args, **kwargs):
     file = io.StringIO()
     show(Console(file=file, width=200), *args, **kwargs)
     return file.getvalue()
-
-
-def axis():
-    time = np.arange(100) * 0.01
-    log = AxisLog(time, np.sin(time), 0.1 * np.sin(time))
-    found = DriveAxisEstimate(
-        parameters=AxisParameters(95.1, 203.5, 20.3, -3.2),
-        sigma=AxisParameters(0.5, 2.0, 0.2, 0.1),
-        interval95=jnp.array([[94.1, 96.1], [199.6, 207.4], [19.9, 20.7], [-3.4, -3.0]]),
-        correlation=jnp.eye(4),
-        status=("identified", "identified", "weak", "identified"),
-        open_loop_rmse=1.2e-3,
-        positions=log.position + 1.2e-3,
-        memory=0.4,
-        starts=6,
-        agreeing_starts=5,
-        iterations=20,
-        converged=True,
-    )
-    return log, found
-
-
-def laws(found, *, ahead):
-    extended = dataclasses.replace(
-        found,
-        parameters=AxisParameters(93.5, 195.4, 21.3, 0.1, -83.0),
-        sigma=AxisParameters(0.5, 2.0, 0.2, 0.1, 4.0),
-        interval95=jnp.concatenate([found.interval95, jnp.array([[-90.8, -75.2]])]),
-        correlation=jnp.eye(5),
-        status=(*found.status, "identified"),
-        names=EXTENDED_NAMES,
-    )
-    return AxisLaws(found, extended, 7e-3, ahead, open_loop_ahead=8e-3)
 
 
 def test_truth_stands_beside_the_estimate():
@@ -98,7 +61,8 @@ def test_the_report_of_an_axis_needs_nothing_else_and_has_its_numbers(tmp_path):
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "http" not in page
     assert "1.20 mm rms" in page
-    assert page.count("<svg") == 2
+    assert page.count("<svg") == 1
+    assert '<table class="heat">' in page
     assert "203.5 N s/m, 95 % from 199.6 to 207.4 (identified)" in page
 
 

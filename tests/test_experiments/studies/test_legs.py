@@ -3,7 +3,7 @@
 import pytest
 
 from experiments.runtime.executors.here import ThisProcess
-from experiments.studies.legs.run import write_legs
+from experiments.studies.legs.many_legs import write_legs
 from scdpr_jax.command.controller import PD
 from scdpr_jax.numerics.progress import Progress
 from scdpr_jax.robot.parameters import exact

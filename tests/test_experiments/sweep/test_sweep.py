@@ -277,7 +277,11 @@ def test_a_killed_command_goes_on_to_the_same_bits(tmp_path):
         )
         assert f"wrote {path}" in done.stdout
     assert out.read_bytes() == whole.read_bytes()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["cache", "out.nc", "whole.nc"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "cache",
+        *("out.nc", "out.png"),
+        *("whole.nc", "whole.png"),
+    ]
 
 
 def test_another_sweeps_parts_are_not_gone_on_with(tmp_path):

@@ -51,7 +51,8 @@ def test_a_proposal_is_written_and_says_what_comes_next(mapping, tmp_path, capsy
     made = tmp_path / "proposed.toml"
     assert main(["import", str(tmp_path / "log.csv"), "--propose", str(made)]) == DONE
     assert 'pretension = ""' in made.read_text()
-    assert "--into CAMPAIGN" in capsys.readouterr().out
+    call = f"next: scdpr import {made} --into {tmp_path / 'campaign'}"
+    assert call in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("arguments", [[], ["a.toml"], ["a.toml", "b.toml", "--into", "rig"]])

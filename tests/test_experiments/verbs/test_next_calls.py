@@ -22,7 +22,8 @@ from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from tuning.result.tuning import FittedSetting
 
-TAKES = {"simulate": "parameters.json", "plan": "tuning.json", "open": "report.html"}
+OPENER = console.open_call(pathlib.Path("report.html")).split()[0]
+TAKES = {"simulate": "parameters.json", "plan": "tuning.json", OPENER: "report.html"}
 """The file that each call takes which `scdpr calibrate` may say to make next."""
 
 

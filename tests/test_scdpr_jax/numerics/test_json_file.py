@@ -35,8 +35,8 @@ def test_a_missing_file_is_named_with_the_verb_that_writes_it(tmp_path):
         ('{"gain": true}', "gain is wrong"),
         ('{"gain": NaN}', "gain is wrong"),
         ('{"gain": 1e999}', "gain is wrong"),
-        ("{}", "gain is wrong"),
-        ("[", "the file is wrong"),
+        ("{}", "gain is missing"),
+        ("[", "the file is cut"),
     ],
 )
 def test_what_is_wrong_is_told_with_its_place(tmp_path, text, where):

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 from report_samples import estimate, estimated_parameters, influence
 
-from experiments.reports.influence_tables import influence_tables
+from experiments.reports.calibration.influence_tables import influence_tables
 from experiments.studies.findings.influence import influence_sentences, influence_verdict
 
 

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from report_samples import tracking_run
 
-from experiments.studies.findings.responses import NamedShaper, open_loop, tracking_numbers
+from experiments.studies.findings.responses import NamedShaper, open_loop
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from tuning.loop.margins import sampled_margins
@@ -31,11 +30,3 @@ def test_a_zv_shaper_leaves_nothing_at_its_frequency_and_all_at_twice_it():
     left = shaper.residual(np.array([2.0, 4.0]))
     # cos(pi/2) and one, in double precision.
     assert np.allclose(left, [0.0, 1.0], atol=1e-12)
-
-
-def test_tracking_errors_are_distances_and_the_rest_begins_at_the_arrival():
-    numbers = tracking_numbers(tracking_run(swing=0.02))
-    assert numbers.arrival == pytest.approx(1.0, abs=1e-12)
-    assert numbers.error[0] == pytest.approx(0.02, rel=1e-9)  # a difference from 0.3 m
-    # A swing of ±20 mm; three periods sampled thirty times each.
-    assert np.ptp(numbers.rest) == pytest.approx(0.04, rel=0.01)

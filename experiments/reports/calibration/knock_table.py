@@ -19,7 +19,7 @@ def knock_table(frequencies: FrequencyMap) -> Table:
         (*_pose(frequencies, row), *_frequency(frequencies, row), *_damping(frequencies, row))
         for row in range(len(frequencies.runs))
     )
-    return Table("Natural frequencies", header, rows)
+    return Table("Natural frequencies", header, rows, spare=((3,),))
 
 
 def knock_table_with_fft(frequencies: FrequencyMap) -> Table:

@@ -1,0 +1,1 @@
+"""What logged legs tell of the robot that legs are planned for."""
