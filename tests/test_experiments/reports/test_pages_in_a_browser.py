@@ -1,17 +1,20 @@
 """What a reader sees of the pages: on a phone, a desk, on paper, by night."""
 
 import contextlib
+import dataclasses
 import re
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from browser import browser, executable
-from report_samples import TRUTH, campaign, estimate, frequencies, tuning
+from report_samples import TRUTH, campaign, estimate, frequencies, parameter, tuning
 from shown_results import write_results
 
 from experiments.reports.report import write_report
 from experiments.studies.findings.findings import findings
+from scdpr_jax.robot.quantities import EVERY_QUANTITY, quantity
 
 pytestmark = pytest.mark.skipif(
     executable() is None, reason="there is no Chromium to look at pages with"
@@ -80,12 +83,26 @@ def page():
         yield opened
 
 
+def twelve():
+    """An estimate of twelve quantities, every pair of which is correlated."""
+    parameters = tuple(
+        parameter(kind.name, 0.0131, 1e-6, unit=kind.unit, setting=setting)
+        for kind, setting in (
+            *((kind, None) for kind in EVERY_QUANTITY[-10:]),
+            *((quantity("effective_pretension"), f"{tension} N") for tension in (350, 500)),
+        )
+    )
+    made = estimate(parameters=parameters)
+    matrix = np.full((12, 12), -0.95) + 1.95 * np.eye(12)
+    return dataclasses.replace(
+        made, fitted=dataclasses.replace(made.fitted, correlation=matrix)
+    )
+
+
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     path = tmp_path_factory.mktemp("report") / "report.html"
-    found = findings(
-        estimate(), campaign=campaign(), frequencies=frequencies(), tuning=tuning()
-    )
+    found = findings(twelve(), campaign=campaign(), frequencies=frequencies(), tuning=tuning())
     write_report(path, found, title="Calibration", truth=TRUTH)
     return path.as_uri()
 
