@@ -33,6 +33,7 @@ VERBS: dict[str, dict[str, str]] = {
         "codesign": "gains, shaper and leg together, over poses, settings and what is unknown",
     },
     "study": {
+        "show": "results on this machine's own address: report, robot moving, legs to try",
         "simulate": "one manoeuvre of a fitted robot",
         "sweep": "frequency, workspace or closed loop over poses and parameters: netCDF",
         "benchmark": "error beside speed, for this engine and its peers",

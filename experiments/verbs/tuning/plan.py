@@ -147,7 +147,7 @@ def _one(
         plan_report.plan_page(
             planned,
             compared,
-            voltage_limit=limit,
+            robot=robot,
             tuning=str(tuning),
             caution=tuned.caution,
         ),
