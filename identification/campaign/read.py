@@ -7,6 +7,8 @@ from identification.campaign.faults import CampaignError, Fault
 from identification.campaign.quantities import format_quantity
 from identification.campaign.schema import CampaignDocument, RunDocument, read_model
 from identification.campaign.streams import (
+    ACCELEROMETER_FILE,
+    CAMERA_FILE,
     DRIVE_FILE,
     read_accelerometer,
     read_camera,
@@ -22,6 +24,7 @@ from identification.campaign.types import (
     Run,
     default_sensors,
 )
+from scdpr_jax.provenance import hash_of
 
 CAMPAIGN_FILE = "campaign.toml"
 """Name of the file about the rig."""
@@ -81,7 +84,15 @@ def read_campaign(path: str | Path, *, skip_bad_runs: bool = False) -> Campaign:
     unusable = campaign is None or reading.faults or not campaign.runs
     if unusable or (bad and not skip_bad_runs):
         raise CampaignError(path, reading.all_faults)
-    return dataclasses.replace(campaign, skipped=bad)
+    return dataclasses.replace(campaign, skipped=bad, source=_source(Path(path)))
+
+
+def _source(folder: Path) -> str:
+    """Hash of a campaign's files, the pictures and videos beside them left out."""
+    files = [folder / CAMPAIGN_FILE]
+    names = (RUN_FILE, DRIVE_FILE, CAMERA_FILE, ACCELEROMETER_FILE)
+    files += [run / name for run in _run_folders(folder) for name in names]
+    return hash_of([file for file in files if file.is_file()], folder)
 
 
 def survey(path: str | Path) -> Reading:

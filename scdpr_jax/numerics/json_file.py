@@ -65,17 +65,17 @@ _WRITTEN = (
 def _fault(content: bytes, first: dict[str, Any], expected: str) -> str:
     """What is wrong with a file, in words, and where."""
     if not content.strip():
-        return f"the file is empty, expected {expected}."
+        return f"the file is empty, got no text, expected {expected}."
     if first["type"] == "json_invalid":
         return _not_json(content, expected)
     there = json.loads(content)
     keys = set(there) if isinstance(there, dict) else set()
     for marks, name in _WRITTEN:
         if marks <= keys and name.split(",")[0] != expected:
-            return f"this is {name}, expected {expected}."
+            return f"this is another file, got {name}, expected {expected}."
     where = ".".join(str(part) for part in first["loc"]) or "the file"
     if first["type"] == "missing":
-        return f"{where} is missing, expected {expected}."
+        return f"{where} is missing, got no such key, expected {expected}."
     got = json.dumps(first["input"], ensure_ascii=False, default=str)
     told = first["msg"][:1].lower() + first["msg"][1:]
     told = told.replace("input should be", "it should be").removeprefix("value error, ")
@@ -90,8 +90,10 @@ def _not_json(content: bytes, expected: str) -> str:
         ends = error.pos >= len(content.decode(errors="replace").rstrip())
         line = error.doc.splitlines()[error.lineno - 1][:60] if error.doc.strip() else ""
         if ends or error.msg.startswith("Unterminated"):
-            return f"the file is cut: it ends in row {error.lineno}, after {line.strip()!r}."
-        return f"it isn't JSON, expected {expected}: row {error.lineno}, got {line.strip()!r}."
+            return (
+                f"the file is cut, got its end in row {error.lineno}, after {line.strip()!r}."
+            )
+        return f"row {error.lineno} isn't JSON, got {line.strip()!r}, expected {expected}."
     except UnicodeDecodeError as error:
         return f"it isn't text, got the byte 0x{content[error.start]:02x}, expected {expected}."
-    return f"it isn't JSON as the verbs write it, expected {expected}."
+    return f"the text isn't as the verbs write it, got another JSON, expected {expected}."

@@ -72,6 +72,7 @@ def identify(
     from identification.fit.unknowns.options import DEFAULT_FREE, FitOptions
     from identification.result.estimation import estimate
     from identification.result.parameters_file import write_parameters
+    from scdpr_jax.provenance import made_today
 
     if posterior:
         require_numpyro()
@@ -87,7 +88,14 @@ def identify(
         if leave_out:
             fitted = without_each_run(read, fitted, progress=progress)
         drawn = sampled(read, fitted, progress=progress) if posterior else None
-    write_parameters(out / "parameters.json", fitted, traced, drawn, read.accepted)
+    write_parameters(
+        out / "parameters.json",
+        fitted,
+        traced,
+        drawn,
+        read.accepted,
+        made_today(read.name, read.source),
+    )
     calibration = findings(fitted, campaign=read)
     summary.show(OUT, calibration, profiles=traced, posterior=drawn)
     summary.show_influence(OUT, calibration)

@@ -25,6 +25,7 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     from identification.axis.log import read_axis_log
     from identification.campaign.quantities import QuantityError, parse_quantity
     from identification.result.axis_file import write_axis_parameters
+    from scdpr_jax.provenance import hash_of, made_today
 
     read = read_axis_log(log)
     unit = "N m/V" if read.is_rotary else "N/V"
@@ -39,7 +40,8 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
         raise ValueError(f"{error} The position of {log} is {kind} [{unit}].") from None
     with ERRORS.status("fits from several starts, half a minute for a long log"):
         laws = axis_laws(read, gain=force, delay_samples=delay_samples)
-    write_axis_parameters(out / "parameters.json", laws)
+    made = made_today(log.name, hash_of([log], log.parent))
+    write_axis_parameters(out / "parameters.json", laws, provenance=made)
     report.write_drive_report(out / "report.html", log=read, laws=laws)
     summary.show_axis(OUT, laws)
     wrote(out / "parameters.json", out / "report.html")

@@ -37,7 +37,8 @@ def plan(
     held. A manoeuvre of several legs is one plan after the other, or a file of `--legs`.
 
     Args:
-        tuning: tuning.json of `scdpr tune` or `scdpr calibrate`.
+        tuning: tuning.json of `scdpr tune` or `scdpr calibrate`, or codesign.json of
+            `scdpr codesign`.
         out: The table to write, plan.csv; a page with the same name, plan.html, shows it. With
             `--legs` a folder: a plan for each leg, and legs.csv with what is expected of it.
         begin: Where the end-effector rests, "0.3 m, 0.55 m"; the plan is made for any start
@@ -69,7 +70,10 @@ def plan(
     seconds = (
         None if leg_time is None else parse_quantity(leg_time, unit="s", name="--leg-time")
     )
-    robot = tuned.robot_at(nominal).robot
+    fitted = tuned.robot_at(nominal)
+    if nominal is not None and fitted.pretension != nominal:
+        say(f"note: {nominal:.7g} N is the tuned setting of {fitted.pretension:g} N.")
+    robot = fitted.robot
     if legs is not None:
         given = {"--from": begin, "--to": to, "--start": start, "--leg-time": leg_time}
         given["--start-run"] = start_run
