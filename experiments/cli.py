@@ -1,6 +1,7 @@
 """The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
 
 import contextlib
+import errno
 import gc
 import os
 import shutil
@@ -94,9 +95,12 @@ def main(arguments: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        remedy = "Make room there, or name" if full else "Name"
         complain(
             f"scdpr {verb}: {error.filename or 'a file'}: can't be used, got "
-            f"{error.strerror}. Give a place that can be read and written."
+            f"{error.strerror}, expected one that can be read and written. {remedy} another "
+            "place."
         )
         return BAD_INPUT
     except FloatingPointError as error:

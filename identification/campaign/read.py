@@ -10,6 +10,7 @@ from identification.campaign.streams import (
     ACCELEROMETER_FILE,
     CAMERA_FILE,
     DRIVE_FILE,
+    EPOCH,
     read_accelerometer,
     read_camera,
     read_drive,
@@ -30,8 +31,6 @@ CAMPAIGN_FILE = "campaign.toml"
 """Name of the file about the rig."""
 RUN_FILE = "run.toml"
 """Name of the file about a run."""
-EPOCH = 1e8
-"""Times from which on a clock counts from 1970 and not from a run's begin: three years [s]."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -74,5 +74,10 @@ def whole_file(path: pathlib.Path) -> Iterator[pathlib.Path]:
         # A temporary file is its owner's alone; the result is to be read like any other.
         os.chmod(name, 0o644)
         os.replace(name, path)
+    except OSError as error:
+        # The scratch file's name says nothing to who asked for the other one.
+        if error.filename in (None, name):
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
     finally:
         pathlib.Path(name).unlink(missing_ok=True)

@@ -55,7 +55,7 @@ def read_json(path: pathlib.Path, model: type[_Model], *, expected: str, verb: s
 _WRITTEN = (
     ({"robots", "controller"}, "a tuning.json, which `scdpr plan` takes"),
     ({"front", "leg"}, "a codesign.json, which `scdpr plan` takes"),
-    ({"parameters", "correlation"}, "a parameters.json, which `scdpr tune` takes"),
+    ({"parameters"}, "a parameters.json, which `scdpr tune` takes"),
     ({"impulses", "compared"}, "a shaper.json of `scdpr shape`"),
     ({"findings"}, "the findings of `scdpr check`"),
 )
@@ -88,12 +88,12 @@ def _not_json(content: bytes, expected: str) -> str:
         json.loads(content)
     except json.JSONDecodeError as error:
         ends = error.pos >= len(content.decode(errors="replace").rstrip())
-        line = error.doc.splitlines()[error.lineno - 1][:60] if error.doc.strip() else ""
+        lines = error.doc.splitlines()
+        row = min(error.lineno, len(lines))
+        line = lines[row - 1][:60]
         if ends or error.msg.startswith("Unterminated"):
-            return (
-                f"the file is cut, got its end in row {error.lineno}, after {line.strip()!r}."
-            )
-        return f"row {error.lineno} isn't JSON, got {line.strip()!r}, expected {expected}."
+            return f"the file is cut, got its end in row {row}, after {line.strip()!r}."
+        return f"row {row} isn't JSON, got {line.strip()!r}, expected {expected}."
     except UnicodeDecodeError as error:
         return f"it isn't text, got the byte 0x{content[error.start]:02x}, expected {expected}."
     return f"the text isn't as the verbs write it, got another JSON, expected {expected}."

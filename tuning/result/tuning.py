@@ -121,9 +121,12 @@ class Tuning:
         Raises:
             ValueError: If no region does.
         """
+        for shaper in self.shapers:
+            if shaper.region.contains(x, y, pretension):
+                return shaper
+        # None at what was read: the setting that it is a reading of.
         near = nearest_setting((own.region.pretension for own in self.shapers), pretension)
         for shaper in self.shapers:
-            # Within the range that was read, or as near to it as a reading is.
             region = shaper.region
             if region.pretension == near and region.contains(x, y, near[0]):
                 return shaper

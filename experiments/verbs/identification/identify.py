@@ -49,18 +49,19 @@ def identify(
     """
     # What is wrong with the input is said before anything heavy is imported.
     from experiments.verbs.log_doctor import examined
-    from experiments.verbs.names import free_quantities, run_names
     from identification.campaign import read_campaign
+    from identification.campaign.abbreviation import free_quantities, run_names
 
     require_outside(out, campaign)
     require_folder(out)
-    read = examined(
-        read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="identify"
-    )
+    logs = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    freed, held_out = free_quantities(free), run_names(logs, hold_out)
+    read = examined(logs, accept, verb="identify")
     if read is None:
         return BAD_INPUT
-    held_out = run_names(read, hold_out)
     set_up()
+    import numpy as np
+
     from experiments.reports import summary
     from experiments.studies.findings.findings import findings
     from identification.checks.leave_out import without_each_run
@@ -77,17 +78,23 @@ def identify(
     if posterior:
         require_numpyro()
     options = FitOptions(
-        free=free_quantities(free) or DEFAULT_FREE,
+        free=freed or DEFAULT_FREE,
         hold_out=held_out,
         measured=tuple(map(parse_measured, measured)),
         clock_drifts=camera_drifts,
     )
-    with shown_progress(ERRORS) as progress:
-        fitted = (estimate if free else select)(read, options, progress=progress)
+    with shown_progress(ERRORS, "identify") as progress:
+        # A profile takes as long as a fit, a fit without each run twice, draws ten times.
+        costs = np.cumsum([1.0, 1.0 * profile, 2.0 * leave_out, 10.0 * posterior])
+        ends = costs / costs[-1]
+        fitting = progress.part(0.0, ends[0])
+        fitted = (estimate if free else select)(read, options, progress=fitting)
+        progress("profiles" if profile else "", ends[0])
         traced = traced_profiles(read, fitted) if profile else ()
         if leave_out:
-            fitted = without_each_run(read, fitted, progress=progress)
-        drawn = sampled(read, fitted, progress=progress) if posterior else None
+            fitted = without_each_run(read, fitted, progress=progress.part(ends[1], ends[2]))
+        drawing = progress.part(ends[2], 1.0)
+        drawn = sampled(read, fitted, progress=drawing) if posterior else None
     write_parameters(
         out / "parameters.json",
         fitted,

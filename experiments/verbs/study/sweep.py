@@ -58,7 +58,7 @@ def sweep(
     if warning := check_room(chosen, axes, out):
         complain(f"warning: {warning}")
     try:
-        with shown_progress(ERRORS) as progress:
+        with shown_progress(ERRORS, f"sweep {measure}") as progress:
             dataset = run_sweep(chosen, axes, robot, out, progress=progress)
     except KeyboardInterrupt:
         ERRORS.print("scdpr sweep: stopped. The same call goes on from here.")

@@ -70,7 +70,7 @@ def codesign(
         ),
         seed=seed,
     )
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "codesign") as progress:
         co_design = design(fitted, scope, progress=progress)
     result, report = out / "codesign.json", out / "codesign.html"
     made = made_today(fitted.provenance.campaign, fitted.provenance.source)

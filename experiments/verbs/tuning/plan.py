@@ -111,7 +111,7 @@ def _one(
     from tuning.plan.planning import plan_leg
 
     beside = _page_beside(out)
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "plan") as progress:
         planned = plan_leg(
             robot,
             tuned.controller,
@@ -152,7 +152,7 @@ def _many(
     from tuning.plan.planning import plan_legs
 
     wanted = read_legs(legs, robot)
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "plan --legs") as progress:
         planned = plan_legs(robot, tuned.controller, wanted, progress=progress)
     out.mkdir(parents=True, exist_ok=True)
     width = max(4, len(str(len(planned))))

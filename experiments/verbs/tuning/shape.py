@@ -85,7 +85,7 @@ def shape(
             normalised=bool(normalised),
             lowest=least,
         )
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "shape") as progress:
         designed = design_for_spectrum(
             file.spectrum,
             damping_ratio=damping_ratio,

@@ -36,7 +36,7 @@ def tune(
 
     fitted = read_parameters(parameters)
     measured = read_frequencies(frequencies)
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "tune") as progress:
         tuned = design(fitted, measured, draws=draws_of(fitted), force=force, progress=progress)
     made = made_today(fitted.provenance.campaign, fitted.provenance.source)
     written = write_tuned(out, dataclasses.replace(tuned, provenance=made))
