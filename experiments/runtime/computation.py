@@ -21,6 +21,7 @@ Begin = Callable[[Parcel], Compute]
 COMPUTATIONS: Mapping[str, str] = {
     "sweep": "experiments.sweep.unit",
     "identify": "experiments.studies.campaigns.unit",
+    "legs": "experiments.studies.legs.unit",
 }
 """Every computation that divides, and the module whose `begin` begins it."""
 

@@ -14,8 +14,7 @@ from experiments.runtime.store.store import Distrusted, Store, claimed
 from experiments.sweep.axes import Axis
 from experiments.sweep.grid import Grid
 from experiments.sweep.measure import Measure
-from experiments.sweep.netcdf import write_dataset
-from experiments.sweep.records import Records
+from experiments.sweep.netcdf import Records, write_dataset
 from experiments.sweep.unit import Sweep, named_inputs
 from identification.campaign.quantities import format_quantity
 from scdpr_jax.numerics.files import settle

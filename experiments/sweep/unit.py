@@ -10,13 +10,13 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from experiments.runtime.parcel import Parcel
+from experiments.runtime.robot_parcel import robot_arrays, robot_of
 from experiments.sweep.axes import Axis
 from experiments.sweep.grid import Grid
 from experiments.sweep.measure import Compute, Measure, Values
 from experiments.sweep.measures import MEASURES
 from scdpr_jax.numerics.batches import in_chunks
 from scdpr_jax.robot.parameters import Robot
-from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import QUANTITIES, replace
 
 _ROBOT = frozenset(quantity.name for quantity in QUANTITIES)
@@ -99,12 +99,6 @@ class Sweep(NamedTuple):
         Raises:
             ValueError: If the robot isn't of the prototype's kind, exact friction and all.
         """
-        leaves, structure = jax.tree.flatten(self.robot)
-        if structure != _structure():
-            raise ValueError(
-                "a sweep's robot must have exact friction, got another kind. See "
-                "`scdpr_jax.robot.parameters.exact`."
-            )
         return Parcel(
             {
                 "measure": self.measure.name,
@@ -114,15 +108,9 @@ class Sweep(NamedTuple):
             },
             {
                 **{f"axis {axis.variable.name}": axis.values for axis in self.grid.axes},
-                **{f"robot {number}": np.asarray(leaf) for number, leaf in enumerate(leaves)},
+                **robot_arrays(self.robot),
             },
         )
-
-
-def _structure() -> jax.tree_util.PyTreeDef:
-    """How a robot's leaves belong together, which its leaves alone don't say."""
-    with jax.enable_x64(True):
-        return jax.tree.structure(consistent())
 
 
 def _unpacked(parcel: Parcel) -> Sweep:
@@ -130,10 +118,7 @@ def _unpacked(parcel: Parcel) -> Sweep:
     measure = next(own for own in MEASURES if own.name == facts["measure"])
     variables = {variable.name: variable for variable in measure.known}
     axes = tuple(Axis(variables[name], arrays[f"axis {name}"]) for name in facts["axes"])
-    structure = _structure()
-    leaves = [jnp.asarray(arrays[f"robot {k}"]) for k in range(structure.num_leaves)]
-    robot = jax.tree.unflatten(structure, leaves)
-    return Sweep(measure._replace(unit=facts["unit"]), Grid(axes), robot)
+    return Sweep(measure._replace(unit=facts["unit"]), Grid(axes), robot_of(arrays))
 
 
 def begin(parcel: Parcel) -> Callable[[int, bytes], bytes]:

@@ -48,8 +48,10 @@ def try_out(*files: pathlib.Path, name: str = "--out") -> None:
             with scratch_file(file) as scratch:
                 scratch.write_bytes(bytes(_ROOM))
         except OSError as error:
+            barred = isinstance(error, FileExistsError | NotADirectoryError)
+            got = "a file in its folder's place" if barred else error.strerror
             raise ValueError(
-                f"`{name}`: {file} can't be written, got {error.strerror}, expected a folder "
+                f"`{name}`: {file} can't be written, got {got}, expected a folder "
                 "that can be, and room on its disk. Name another one, or make room there."
             ) from None
         finally:

@@ -148,7 +148,11 @@ class CampaignDocument(_Table):
 
     name: str = Field("", examples=["rig A, 2026-11"])
     counts_per_rev: float | None = Field(
-        None, gt=0, allow_inf_nan=False, examples=["26624 (a number without quotation marks)"]
+        None,
+        gt=1e-6,
+        lt=1e15,
+        allow_inf_nan=False,
+        examples=["26624 (a number without quotation marks)"],
     )
     robot: RobotTable = RobotTable()
     sensors: SensorsTable = SensorsTable()

@@ -78,12 +78,30 @@ def _leg(path: pathlib.Path, number: int, row: list[str], robot: Robot, count: i
     return Wanted((x, y), (x_to, y_to), time, told)
 
 
-def expectations_table(names: Sequence[str], planned: Sequence[Planned]) -> str:
+def expectation(planned: Planned) -> tuple[str, ...]:
+    """What is expected of a plan, as the cells of its row.
+
+    Args:
+        planned: The plan.
+
+    Returns:
+        The cells, without the name of its file.
+    """
+    numbers = [
+        number
+        for each in (planned.expected, planned.plain)
+        for number in (each.vibration[0], each.worst, abs(each.resting[0]))
+    ]
+    times = (f"{planned.asked_time:.6f}", f"{planned.leg.time:.6f}")
+    return (*times, str(int(planned.is_plain)), *(f"{number:.3e}" for number in numbers))
+
+
+def expectations_table(names: Sequence[str], expectations: Sequence[Sequence[str]]) -> str:
     """What is expected of plans.
 
     Args:
         names: Their files.
-        planned: The plans.
+        expectations: The cells of each, see `expectation`.
 
     Returns:
         CSV, units in the header.
@@ -104,12 +122,6 @@ def expectations_table(names: Sequence[str], planned: Sequence[Planned]) -> str:
             "plain_resting_error [m]",
         )
     )
-    for name, own in zip(names, planned, strict=True):
-        cells = [
-            number
-            for each in (own.expected, own.plain)
-            for number in (each.vibration[0], each.worst, abs(each.resting[0]))
-        ]
-        times = (f"{own.asked_time:.6f}", f"{own.leg.time:.6f}", int(own.is_plain))
-        writer.writerow((name, *times, *(f"{number:.3e}" for number in cells)))
+    rows = zip(names, expectations, strict=True)
+    writer.writerows((name, *cells) for name, cells in rows)
     return text.getvalue()

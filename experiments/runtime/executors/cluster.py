@@ -7,6 +7,7 @@ answers at the same address.
 
 import contextlib
 import dataclasses
+import math
 import queue
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -27,6 +28,8 @@ AHEAD = 2
 """Units that wait for each thread, so that none waits for the client."""
 WORKERS_OWN = ("processor", "OPENBLAS_NUM_THREADS")
 """What workers have of their own: the client computes nothing."""
+_LOOK = 2.0
+"""How often it is looked how many workers there are [s]."""
 _DEATHS = 4
 """Workers that dask lets a unit bring down before it gives it back."""
 _LOST = (CommClosedError, FutureCancelledError, OSError, TimeoutError)
@@ -91,8 +94,11 @@ class Cluster(Executor):
         waiting = _Waiting(job, iter(numbers))
         asked: dict[int, _Asked] = {}
         ended: queue.SimpleQueue[tuple[int, Future]] = queue.SimpleQueue()
+        room, looked = 0, -math.inf
         while waiting.more or asked:
-            for unit in waiting.taken(AHEAD * self._threads() + 1 - len(asked)):
+            if time.monotonic() - looked > _LOOK:  # Workers come and go; asking takes a while.
+                room, looked = AHEAD * self._threads() + 1, time.monotonic()
+            for unit in waiting.taken(room - len(asked)):
                 asked[unit.number] = unit
                 self._ask(job, unit, ended)
             try:

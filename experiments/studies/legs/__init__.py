@@ -1,1 +1,1 @@
-"""Legs as they are planned, compared and logged."""
+"""Legs as they are planned, compared and logged; many of them, shared out."""

@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, open_call, say, suggest, wrote
+from experiments.verbs.console import (
+    ERRORS,
+    OUT,
+    Folder,
+    open_call,
+    say,
+    suggest,
+    tell_distrusted,
+    wrote,
+)
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import parse_position, try_out
 from experiments.verbs.starting_pose import beginning
@@ -29,6 +38,9 @@ def plan(
     leg_time: str | None = None,
     setting: str | None = None,
     force: bool = False,
+    cores: int | None = None,
+    cluster: str | None = None,
+    certificates: pathlib.Path | None = None,
 ) -> int:
     """Plan a leg that arrives without vibration: what the controller is to follow.
 
@@ -37,7 +49,8 @@ def plan(
     held. A manoeuvre of several legs is one plan after the other, or a file of `--legs`.
 
     Args:
-        tuning: tuning.json of `scdpr tune` or `scdpr calibrate`.
+        tuning: tuning.json of `scdpr tune` or `scdpr calibrate`, or codesign.json of
+            `scdpr codesign`.
         out: The table to write, plan.csv; a page with the same name, plan.html, shows it. With
             `--legs` a folder: a plan for each leg, and legs.csv with what is expected of it.
         begin: Where the end-effector rests, "0.3 m, 0.55 m"; the plan is made for any start
@@ -52,7 +65,20 @@ def plan(
         leg_time: Time of the leg, "2 s"; default: 2 s. What the drives can't do takes longer.
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
         force: Plan with a tuning whose fit has failed, too; the plan is marked.
+        cores: With `--legs`: processes of this machine to share them among; default: this one,
+            on all its cores. A call that was stopped goes on where it was: give it again.
+        cluster: With `--legs`: a dask cluster to share them among, tcp://HOST:PORT or
+            tls://HOST:PORT, or local:N for one of N workers on this machine. Needs the extra
+            `cluster`.
+        certificates: Folder with ca.pem, cert.pem and key.pem, for tls://.
     """
+    from experiments.runtime.executors.chosen import require_cluster
+
+    require_cluster(cluster, certificates, cores)
+    if legs is None and (cores is not None or cluster is not None):
+        raise ValueError(
+            "`--cluster` and `--cores` share `--legs` out, got one leg. Leave them out."
+        )
     try_out(*((out, _page_beside(out)) if legs is None else (out / "legs.csv",)))
     set_up()
     from identification.campaign.quantities import parse_quantity
@@ -65,7 +91,10 @@ def plan(
     seconds = (
         None if leg_time is None else parse_quantity(leg_time, unit="s", name="--leg-time")
     )
-    robot = tuned.robot_at(nominal).robot
+    fitted = tuned.robot_at(nominal)
+    if nominal is not None and fitted.pretension != nominal:
+        say(f"note: {nominal:.7g} N is the tuned setting of {fitted.pretension:g} N.")
+    robot = fitted.robot
     if legs is not None:
         given = {"--from": begin, "--to": to, "--start": start, "--leg-time": leg_time}
         given["--start-run"] = start_run
@@ -74,7 +103,7 @@ def plan(
                 f"`--legs` names its legs itself, got {', '.join(named)} besides, expected it "
                 "alone. Leave either out."
             )
-        return _many(tuning, tuned, robot, legs, out)
+        return _many(tuning, tuned, robot, legs, out, (cluster, certificates, cores or 1))
     if to is None:
         raise ValueError(
             '`--to` is missing: say where the end-effector is to go, such as "1.9 m, 0.55 m", '
@@ -103,7 +132,7 @@ def _one(
     from tuning.plan.planning import plan_leg
 
     beside = _page_beside(out)
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "plan") as progress:
         planned = plan_leg(
             robot,
             tuned.controller,
@@ -122,7 +151,7 @@ def _one(
         plan_report.plan_page(
             planned,
             compared,
-            voltage_limit=limit,
+            robot=robot,
             tuning=str(tuning),
             caution=tuned.caution,
         ),
@@ -135,32 +164,37 @@ def _one(
 
 
 def _many(
-    tuning: pathlib.Path, tuned: "Tuning", robot: "Robot", legs: pathlib.Path, out: pathlib.Path
+    tuning: pathlib.Path,
+    tuned: "Tuning",
+    robot: "Robot",
+    legs: pathlib.Path,
+    out: pathlib.Path,
+    shared: "tuple[str | None, pathlib.Path | None, int]",
 ) -> int:
     """A table's legs, each in a file, and a table of what is expected of them."""
-    from scdpr_jax.numerics.files import write_whole
-    from tuning.plan.legs_file import expectations_table, read_legs
-    from tuning.plan.plan_file import write_plan
-    from tuning.plan.planning import plan_legs
+    from experiments.runtime.executors.chosen import chosen
+    from experiments.studies.legs.many_legs import write_legs
+    from tuning.plan.legs_file import read_legs
 
     wanted = read_legs(legs, robot)
-    with shown_progress(ERRORS) as progress:
-        planned = plan_legs(robot, tuned.controller, wanted, progress=progress)
-    out.mkdir(parents=True, exist_ok=True)
-    width = max(4, len(str(len(planned))))
-    names = [f"plan-{number + 1:0{width}d}.csv" for number in range(len(planned))]
-    for name, own in zip(names, planned, strict=True):
-        write_plan(out / name, own.plan, marked=bool(tuned.caution))
-    table = out / "legs.csv"
-    write_whole(table, expectations_table(names, planned))
-    longer = sum(own.leg.time > own.asked_time for own in planned)
+    with shown_progress(ERRORS, "plan --legs") as progress, chosen(*shared) as executor:
+        written = write_legs(
+            robot,
+            tuned.controller,
+            wanted,
+            out,
+            executor=executor,
+            marked=bool(tuned.caution),
+            distrusted=tell_distrusted,
+            progress=progress,
+        )
     say(
-        f"{len(planned)} legs planned; {longer} take longer than asked for, as the drives "
-        f"can't do them in that time; {sum(own.is_plain for own in planned)} are the plain "
-        "profile, of which less vibration is expected.",
+        f"{len(wanted)} legs planned; {written.longer} take longer than asked for, as the "
+        f"drives can't do them in that time; {written.plain} are the plain profile, of which "
+        "less vibration is expected.",
     )
-    wrote(table)
-    suggest(open_call(table))
+    wrote(written.table)
+    suggest(open_call(written.table))
     return ending(tuning, fits=not tuned.caution)
 
 
