@@ -41,7 +41,7 @@ class Whiteness:
     following: int
     """Those whose residuals follow the voltages."""
     hanging: int
-    """Others whose residuals hang together in time."""
+    """Others whose residuals are correlated in time."""
 
     @property
     def white(self) -> int:
@@ -140,7 +140,7 @@ def whiteness_sentence(counted: Whiteness) -> str:
     """
     return (
         f"Of {counted.tested} channels that are long enough to test, "
-        f"{counted.white} leave white residuals that know nothing of the "
-        f"voltages, or an encoder's rounding; {counted.following} follow the voltages, and "
-        f"{counted.hanging} more hang together in time."
+        f"{counted.white} leave white residuals that are independent of the "
+        f"voltages, or the rounding of an encoder; {counted.following} depend on the voltages, "
+        f"and {counted.hanging} more are correlated in time."
     )
