@@ -128,6 +128,8 @@ def _arguments(thing: object) -> str:
     """Names of arguments, with defaults that are short; types are in the text."""
     shown = []
     for parameter in inspect.signature(thing).parameters.values():
+        if parameter.name == "self":
+            continue
         default = parameter.default
         if default is not inspect.Parameter.empty and len(repr(default)) > 24:
             default = _Short()
