@@ -22,6 +22,8 @@ html_theme = "furo"
 html_title = "scdpr-jax"
 html_math_renderer = "mathml"
 html_show_sphinx = False
+# A summary is fetched, which a browser refuses where the site is a folder.
+html_show_search_summary = False
 # Words of the API's signatures aren't looked up: types are told in the text.
 nitpicky = False
 

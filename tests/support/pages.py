@@ -1,5 +1,6 @@
 """What the README and the documentation's pages have in them: blocks, commands, links."""
 
+import importlib.util
 import pathlib
 import re
 from typing import NamedTuple
@@ -67,3 +68,11 @@ def anchors(page):
     headings = re.findall(r"^#+ (.+)$", _FENCED.sub("", text_of(page)), re.MULTILINE)
     plain = (re.sub(r"[^\w\- ]", "", own.lower()) for own in headings)
     return {own.strip().replace(" ", "-") for own in plain}
+
+
+def script_of(name):
+    """A script of the documentation, as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / f"docs/{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

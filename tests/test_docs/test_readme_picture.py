@@ -1,6 +1,5 @@
 """The README's picture is the one that its script makes."""
 
-import importlib.util
 import re
 import xml.etree.ElementTree as ET
 
@@ -32,11 +31,7 @@ def shape(svg):
 
 @pytest.fixture(scope="module")
 def script():
-    path = pages.ROOT / "docs/readme_picture.py"
-    spec = importlib.util.spec_from_file_location("readme_picture", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return pages.script_of("readme_picture")
 
 
 def run(script, *, swing):
