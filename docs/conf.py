@@ -20,6 +20,8 @@ myst_heading_anchors = 3
 exclude_patterns = ["paper/*"]
 html_theme = "furo"
 html_title = "scdpr-jax"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_math_renderer = "mathml"
 html_show_sphinx = False
 # A summary is fetched, which a browser refuses where the site is a folder.
