@@ -99,7 +99,7 @@ def _deep_reference(path):
         cell[0, 0] = cell.ref
 
 
-def _bomb(path, megabytes=640):
+def _bomb(path, megabytes=400):
     """Half a megabyte of MAT file that unpacks to much more."""
     count = megabytes * 2**20 // 8
     packer = zlib.compressobj(1)
