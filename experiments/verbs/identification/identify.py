@@ -1,11 +1,16 @@
 """`scdpr identify`: a campaign's parameters."""
 
+import itertools
 import pathlib
+from typing import TYPE_CHECKING
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from experiments.verbs.places import require_folder, require_outside
+
+if TYPE_CHECKING:
+    from scdpr_jax.numerics.progress import Progress
 
 
 def identify(
@@ -60,8 +65,6 @@ def identify(
     if read is None:
         return BAD_INPUT
     set_up()
-    import numpy as np
-
     from experiments.reports import summary
     from experiments.studies.findings.findings import findings
     from identification.checks.leave_out import without_each_run
@@ -84,33 +87,37 @@ def identify(
         clock_drifts=camera_drifts,
     )
     with shown_progress(ERRORS, "identify") as progress:
-        # A profile takes as long as a fit, a fit without each run twice, draws ten times.
-        costs = np.cumsum([1.0, 1.0 * profile, 2.0 * leave_out, 10.0 * posterior])
-        ends = costs / costs[-1]
-        fitting = progress.part(0.0, ends[0])
-        fitted = (estimate if free else select)(read, options, progress=fitting)
-        progress("profiles" if profile else "", ends[0])
+        fit, tracing, leaving, drawing = _parts(
+            progress, profile=profile, leave_out=leave_out, posterior=posterior
+        )
+        fitted = (estimate if free else select)(read, options, progress=fit)
+        if profile:
+            tracing("profiles", 0.0)
         traced = traced_profiles(read, fitted) if profile else ()
         if leave_out:
-            fitted = without_each_run(read, fitted, progress=progress.part(ends[1], ends[2]))
-        drawing = progress.part(ends[2], 1.0)
+            fitted = without_each_run(read, fitted, progress=leaving)
         drawn = sampled(read, fitted, progress=drawing) if posterior else None
-    write_parameters(
-        out / "parameters.json",
-        fitted,
-        traced,
-        drawn,
-        read.accepted,
-        made_today(read.name, read.source),
-    )
+    made, written = made_today(read.name, read.source), out / "parameters.json"
+    write_parameters(written, fitted, traced, drawn, read.accepted, made)
     calibration = findings(fitted, campaign=read)
     summary.show(OUT, calibration, profiles=traced, posterior=drawn)
     summary.show_influence(OUT, calibration)
     for note in read.accepted:
         say(f"note: {note}")
-    wrote(out / "parameters.json")
+    wrote(written)
     if not fitted.fits:
         suggest(f"scdpr check {pasted(campaign)}")
         return FELL_SHORT
     suggest(f"scdpr frequencies {pasted(campaign)} --out {pasted(out)}")
     return DONE
+
+
+def _parts(
+    progress: "Progress", *, profile: bool, leave_out: bool, posterior: bool
+) -> "tuple[Progress, ...]":
+    """Progress of the fit, its profiles, the fits without each run, and the draws."""
+    # A profile takes as long as a fit, a fit without each run twice, draws ten times.
+    costs = itertools.accumulate((1, 1 * profile, 2 * leave_out, 10 * posterior))
+    ends = tuple(costs)
+    shares = [0.0, *(end / ends[-1] for end in ends)]
+    return tuple(progress.part(*pair) for pair in itertools.pairwise(shares))
