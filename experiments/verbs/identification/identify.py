@@ -164,7 +164,7 @@ def _one(
     summary.show_influence(OUT, calibration)
     for note in read.accepted:
         say(f"note: {note}")
-    wrote(out / "parameters.json")
+    wrote(written)
     if not fitted.fits:
         suggest(f"scdpr check {pasted(campaign)}")
         return FELL_SHORT
@@ -193,7 +193,7 @@ def _many(
     question = _question(asked)
     cluster, certificates, cores = shared
     with (
-        shown_progress(ERRORS) as progress,
+        shown_progress(ERRORS, "identify many") as progress,
         chosen(cluster, certificates, min(cores, len(campaigns))) as executor,
     ):
         batch = identify_campaigns(
