@@ -3,6 +3,7 @@
 import contextlib
 import logging
 import pathlib
+import warnings
 from collections.abc import Iterator
 
 from experiments.runtime.executors.executor import Executor
@@ -96,7 +97,7 @@ def chosen(
                 LocalCluster(
                     n_workers=number,
                     threads_per_worker=1,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",
                     security=security,
                 )
             )
@@ -119,7 +120,10 @@ def _quiet() -> Iterator[None]:
     for logger in loggers:
         logger.setLevel(logging.CRITICAL + 1)
     try:
-        yield
+        with warnings.catch_warnings():
+            # A campaign of 10 MB is large to it.
+            warnings.filterwarnings("ignore", "Sending large graph", UserWarning)
+            yield
     finally:
         for logger, level in zip(loggers, levels, strict=True):
             logger.setLevel(level)
