@@ -82,6 +82,7 @@ def chosen(
     if cluster is None:
         yield Processes(cores) if cores > 1 else ThisProcess()
         return
+    import dask
     from distributed import Client, LocalCluster
     from distributed.security import Security
 
@@ -91,6 +92,8 @@ def chosen(
     with contextlib.ExitStack() as stack:
         stack.enter_context(_quiet())
         if number:
+            # Its workers would look a hundred times a second at what they are doing.
+            stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))
             # With certificates of its own: other users of this machine are kept out.
             security = Security.temporary()
             local = stack.enter_context(
