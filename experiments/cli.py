@@ -1,10 +1,12 @@
 """The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
 
 import contextlib
+import errno
 import gc
 import io
 import os
 import shutil
+import signal
 import sys
 
 from experiments.page.wrapping import wrapped
@@ -32,6 +34,7 @@ VERBS: dict[str, dict[str, str]] = {
         "codesign": "gains, shaper and leg together, over poses, settings and what is unknown",
     },
     "study": {
+        "show": "results on this machine's own address: report, robot moving, legs to try",
         "simulate": "one manoeuvre of a fitted robot",
         "sweep": "frequency, workspace or closed loop over poses and parameters: netCDF",
         "benchmark": "error beside speed, for this engine and its peers",
@@ -52,10 +55,14 @@ def main(arguments: list[str] | None = None) -> int:
     """
     if arguments is not None:
         return _run(arguments)
-    # The process is this command's alone.
+    # The process is this command's alone. Ctrl-C waits until there is somebody who heeds it.
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     from experiments.verbs.ending import end_on_signals, leave
 
     end_on_signals(next(iter(sys.argv[1:]), ""))
+    if sys.platform != "win32":
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
     for stream in (sys.stdout, sys.stderr):
         # A name that the terminal's encoding hasn't is written out, as in `ls`.
         if isinstance(stream, io.TextIOWrapper):
@@ -64,6 +71,8 @@ def main(arguments: list[str] | None = None) -> int:
         status = _run(sys.argv[1:])
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else DONE
+    except OSError as error:  # of the help itself
+        status = _told("", _unusable(error), BAD_INPUT)
     return leave(status)
 
 
@@ -126,21 +135,20 @@ def _told(verb: str, what: object, status: int) -> int:
     from experiments.verbs.console import complain
     from scdpr_jax.numerics.files.harmless import message
 
-    complain(message(f"scdpr {verb}: {what}"))
+    complain(message(f"{f'scdpr {verb}'.strip()}: {what}"))
     return status
 
 
 def _unusable(error: OSError) -> str:
     """Why a file or a folder can't be used, and what to do."""
-    import errno
-
-    remedy = "Give a place that can be read and written."
+    remedy = "Name another place."
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
-        remedy = "Make room there, or name a place on another disk."
+        remedy = "Make room there, or name another place."
     elif error.errno == errno.ENOENT:
         remedy = "Check its name."
     where, reason = error.filename or "a file", error.strerror or str(error)
-    return f"{where}: can't be used, got {reason}. {remedy}"
+    expected = "one that can be read and written"
+    return f"{where}: can't be used, got {reason}, expected {expected}. {remedy}"
 
 
 def _prepare_process() -> None:

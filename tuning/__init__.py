@@ -35,6 +35,9 @@ from tuning.plan.planning import Wanted as Wanted
 from tuning.plan.planning import plan_leg as plan_leg
 from tuning.plan.planning import plan_legs as plan_legs
 from tuning.plan.planning import resting_start as resting_start
+from tuning.refinement.logged_leg import LoggedLeg as LoggedLeg
+from tuning.refinement.refine import Refined as Refined
+from tuning.refinement.refine import refine as refine
 from tuning.regions.residual_map import residual_map as residual_map
 from tuning.regions.schedule import ScheduledTrajectory as ScheduledTrajectory
 from tuning.regions.schedule import schedule_of as schedule_of

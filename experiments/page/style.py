@@ -12,8 +12,10 @@ import matplotlib
 import numpy as np
 from jaxtyping import Array, Float
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from experiments.page.number_text import plain
 
@@ -173,6 +175,18 @@ def one_digit(value: float, _: int | None = None) -> str:
         The label.
     """
     return plain(value, 1)
+
+
+def decades(axis: Axis, *, ticks: int = 6) -> None:
+    """Name a logarithmic axis's decades as numbers: a power's digits are too small for a phone.
+
+    Args:
+        axis: The axis.
+        ticks: Ticks at most; fewer decades than that have one each.
+    """
+    axis.set_major_locator(LogLocator(numticks=ticks))
+    axis.set_major_formatter(one_digit)
+    axis.set_minor_locator(NullLocator())
 
 
 def legend_above(axes: Axes, *, columns: int = 4) -> None:

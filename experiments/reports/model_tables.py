@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from experiments.page.number_text import plain, readable_unit, rounded
 from experiments.page.table import Table, table_of
+from experiments.reports.calibration.heat_tables import quantity_symbols
 from identification.checks.posterior import Posterior
 from identification.checks.profile import Profile
 from identification.fit.unknowns.measured import MeasuredFit
@@ -78,7 +79,7 @@ def moved_table(identifiable: Identifiability) -> Table:
     Returns:
         By how many standard deviations of the noise 1 % of each quantity moves them.
     """
-    names = [name.replace("_", " ") + (f" {s}" if s else "") for name, s in identifiable.names]
+    names = quantity_symbols(identifiable.names)
     rows = tuple(
         (run, sensor, *map(_standard_deviations, moved.tolist()))
         for run, groups in zip(identifiable.runs, identifiable.moved, strict=True)

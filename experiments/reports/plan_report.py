@@ -3,6 +3,7 @@
 import numpy as np
 from rich.console import Console
 
+from experiments.figures.robot_film import Track, robot_film
 from experiments.figures.tuning.leg import leg
 from experiments.page.console_text import print_lines, print_table
 from experiments.page.number_text import plain
@@ -10,6 +11,7 @@ from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
 from experiments.studies.legs.planned_leg import SIDES, Compared
 from scdpr_jax.legs.measures import SETTLED, LegMeasures
+from scdpr_jax.robot.parameters import Robot
 from tuning.plan.planning import Planned
 
 _METHOD = (
@@ -145,32 +147,36 @@ def show(
 
 
 def plan_page(
-    planned: Planned,
-    compared: Compared,
-    *,
-    voltage_limit: float,
-    tuning: str,
-    caution: str = "",
+    planned: Planned, compared: Compared, *, robot: Robot, tuning: str, caution: str = ""
 ) -> str:
     """A plan as a page that needs nothing else.
 
     Args:
         planned: The plan.
         compared: Its runs.
-        voltage_limit: Largest command of either sign [V].
+        robot: The fitted robot.
         tuning: Name of the tuning that it is for.
         caution: What that warns of; empty for nothing.
 
     Returns:
         HTML.
     """
-    plan = planned.plan
+    plan, voltage_limit = planned.plan, float(robot.drive.voltage_limit)
     begun, ended = _place(plan.position[0]), _place(plan.position[-1])
+    before, after = (
+        Track(name, np.asarray(runs[0].time), np.asarray(runs[0].states.position))
+        for name, runs in zip(SIDES, (compared.plain, compared.planned), strict=True)
+    )
     return page(
         "findings.html.j2",
         title=f"Leg from {begun} to {ended}",
         sentences=sentences(planned, compared, voltage_limit=voltage_limit, caution=caution),
         tables=tables(compared),
+        film=(
+            robot_film(robot, after, name="film", ghost=before),
+            "The leg on the fitted robot, to scale and in real time; dashed the end-effector "
+            "as the plain profile leads it. Red: its way.",
+        ),
         pictures=[
             Pictures()(
                 leg(compared, leg_time=float(plan.time[-1]), voltage_limit=voltage_limit),

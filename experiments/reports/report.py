@@ -18,7 +18,7 @@ from experiments.reports.calibration.frequency_pictures import frequency_picture
 from experiments.reports.calibration.heat_tables import (
     correlation_heat,
     misfit_heat,
-    quantity_symbol,
+    quantity_symbols,
 )
 from experiments.reports.calibration.influence_tables import influence_tables
 from experiments.reports.calibration.knock_table import knock_table_with_fft
@@ -86,7 +86,7 @@ def _of_fit(
     """What the page has of parameters, residuals and frequencies."""
     estimate, frequencies = findings.estimate, findings.frequencies
     free = estimated(estimate)
-    symbols = [quantity_symbol(p.name, p.setting) for p in free]
+    symbols = quantity_symbols(tuple((p.name, p.setting) for p in free))
     _, left_out = runs_to_draw(estimate.comparisons)
     return {
         "rows": [parameter_row(parameter, truth=truth) for parameter in free],

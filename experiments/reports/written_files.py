@@ -5,8 +5,11 @@ import pathlib
 
 from experiments.reports.report import FitPictures, write_report
 from experiments.studies.findings.findings import Findings
+from experiments.studies.runs_file import runs_table
 from identification.knocks.frequency_map import write_frequencies
 from identification.result.parameters_file import write_parameters
+from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.provenance import made_today
 from tuning.export import write_exports
 from tuning.result.document import write_tuning
 from tuning.result.tuning import Tuning
@@ -35,6 +38,8 @@ class CalibrationFiles:
     """The report, `report.html`."""
     parameters: pathlib.Path
     """The estimate, `parameters.json`."""
+    runs: pathlib.Path
+    """Where the fitted robot goes in each run, `runs.csv`."""
     frequencies: pathlib.Path | None
     """Natural frequencies, `frequencies.csv`; None if no knock gives one."""
     tuning: TuningFiles | None
@@ -45,7 +50,7 @@ class CalibrationFiles:
         """All of them, the report first."""
         frequencies = () if self.frequencies is None else (self.frequencies,)
         tuning = () if self.tuning is None else self.tuning.paths
-        return (self.report, self.parameters, *frequencies, *tuning)
+        return (self.report, self.parameters, self.runs, *frequencies, *tuning)
 
 
 def write_calibration(
@@ -68,10 +73,21 @@ def write_calibration(
     """
     mapped = findings.frequencies is not None
     parameters = out / "parameters.json"
-    write_parameters(parameters, findings.estimate, accepted=findings.campaign.accepted)
+    made = made_today(findings.campaign.name, findings.campaign.source)
+    write_parameters(
+        parameters,
+        findings.estimate,
+        accepted=findings.campaign.accepted,
+        provenance=made,
+    )
     if mapped:
         write_frequencies(findings.frequencies, out / "frequencies.csv")
-    tuning = None if findings.tuning is None else write_tuned(out, findings.tuning.tuning)
+    runs = out / "runs.csv"
+    write_whole(runs, runs_table(findings.estimate.comparisons))
+    tuning = None
+    if findings.tuning is not None:
+        tuned = dataclasses.replace(findings.tuning.tuning, provenance=made)
+        tuning = write_tuned(out, tuned)
     report = out / "report.html"
     write_report(
         report,
@@ -81,7 +97,7 @@ def write_calibration(
         pictures=pictures,
     )
     return CalibrationFiles(
-        report, parameters, out / "frequencies.csv" if mapped else None, tuning
+        report, parameters, runs, out / "frequencies.csv" if mapped else None, tuning
     )
 
 

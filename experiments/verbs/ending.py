@@ -14,7 +14,11 @@ import sys
 import threading
 from typing import NoReturn
 
-from experiments.verbs.exit_status import UNHEARD
+from experiments.verbs.exit_status import BAD_INPUT, UNHEARD
+
+# Here, and not where it is used: two threads that import the same in other orders lock each
+# other out.
+from scdpr_jax.numerics.files.scratch import TOGETHER, remove_scratch
 
 _WORDS = {"SIGINT": "stopped", "SIGTERM": "terminated", "SIGHUP": "its terminal is gone"}
 _GOES_ON = dict.fromkeys(("sweep", "identify"), " The same call goes on from here.")
@@ -59,28 +63,31 @@ def leave(status: int) -> NoReturn:
                 stream.flush()
     except BrokenPipeError:
         status = UNHEARD
+    except OSError as error:
+        _say(f"scdpr: the output can't be written, got {error.strerror}. Make room for it.")
+        status = BAD_INPUT
     os._exit(status)
 
 
 def _hold_still(number: int, frame: object) -> None:
     """The main thread says nothing more, but for what it has to finish."""
-    from scdpr_jax.numerics.files.scratch import TOGETHER
-
     if not TOGETHER.locked():
         threading.Event().wait(2 * _PATIENCE)
 
 
 def _watch(verb: str, waiting: socket.socket) -> None:
-    from scdpr_jax.numerics.files.scratch import TOGETHER, remove_scratch
-
     handled = {getattr(signal, name, None): word for name, word in _WORDS.items()}
     while (number := waiting.recv(1)[0]) not in handled:
         pass  # of somebody else's handler
-    TOGETHER.acquire(timeout=_PATIENCE)
-    _say(f"scdpr {verb}: {handled[number]}.{_GOES_ON.get(verb, ' No file is half written.')}")
-    remove_scratch()
-    _end_pools()
-    os._exit(128 + number)
+    try:
+        TOGETHER.acquire(timeout=_PATIENCE)
+        _say(
+            f"scdpr {verb}: {handled[number]}.{_GOES_ON.get(verb, ' No file is half written.')}"
+        )
+        remove_scratch()
+        _end_pools()
+    finally:
+        os._exit(128 + number)
 
 
 def _say(line: str) -> None:
@@ -94,8 +101,7 @@ def _say(line: str) -> None:
 
 def _end_pools() -> None:
     """End the processes of pools, which would wait for more work."""
-    if "multiprocessing" in sys.modules:
-        import multiprocessing
-
-        for child in multiprocessing.active_children():
-            child.kill()
+    # An import would wait for the main thread, where that one is just importing it.
+    active_children = getattr(sys.modules.get("multiprocessing"), "active_children", tuple)
+    for child in active_children():
+        child.kill()

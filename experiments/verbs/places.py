@@ -40,7 +40,8 @@ def try_out(*files: pathlib.Path, name: str = "--out") -> None:
     for file in files:
         if file.is_dir():
             raise ValueError(
-                f"`{name}`: {file} is a folder, expected a file or a name for one. Name one."
+                f"`{name}`: got {file}, a folder, expected a file. Name one in it, such as "
+                f"{file / 'result'}."
             )
         made = _missing(file.parent)
         try:
@@ -48,8 +49,10 @@ def try_out(*files: pathlib.Path, name: str = "--out") -> None:
             with scratch_file(file) as scratch:
                 scratch.write_bytes(bytes(_ROOM))
         except OSError as error:
+            barred = isinstance(error, FileExistsError | NotADirectoryError)
+            got = "a file in its folder's place" if barred else error.strerror
             raise ValueError(
-                f"`{name}`: {file} can't be written, got {error.strerror}, expected a folder "
+                f"`{name}`: {file} can't be written, got {got}, expected a folder "
                 "that can be, and room on its disk. Name another one, or make room there."
             ) from None
         finally:

@@ -54,7 +54,11 @@ def read_acceleration(path: str | Path) -> Acceleration | None:
     logs, _ = open_logs([(path, Dialect())])
     if path not in logs:
         return None
-    log = logs[path]
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _told_recording(logs[path])
+
+
+def _told_recording(log: Log) -> Acceleration | None:
     columns = signals(log)
     if any(_FREQUENCY & set(tokens(s.words)) for s in columns):
         return None

@@ -44,7 +44,7 @@ class Fault:
     @property
     def where(self) -> str:
         """File, row, and column or key, as far as there are any."""
-        parts = [self.file]
+        parts = [shortened(self.file)]
         if self.row is not None:
             parts.append(f"row {self.row}")
         if self.column:
@@ -56,12 +56,13 @@ class Fault:
     @property
     def text(self) -> str:
         """What is wrong, what was found and expected, and the remedy, wherever it is."""
-        parts = [self.what]
+        parts = [shortened(self.what)]
         if self.got:
             parts.append(f"got {shortened(self.got)}")
         if self.expected:
-            parts.append(f"expected {self.expected}")
-        return f"{', '.join(parts)}. {self.remedy}"
+            parts.append(f"expected {shortened(self.expected)}")
+        # A remedy may be a line of MATLAB, which is to be pasted whole.
+        return f"{', '.join(parts)}. {shortened(self.remedy, 600)}"
 
     def __str__(self) -> str:
         return printable(f"{self.where}: {self.text}")

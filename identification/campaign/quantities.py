@@ -28,6 +28,8 @@ _POWER = r"(?:[A-Za-zµμΩÅ]{1,24}|[%°])(?:(?:\^|\*\*)[+-]?\d|⁻?[¹²³⁴�
 _PRODUCT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[·⋅*/]\s*|\s+){_POWER}){{0,5}}")
 _LONGEST = 80
 """Characters of a quantity."""
+LARGEST = 1e30
+"""Largest number of anything that is read [SI]; the fourth power of it is still one."""
 
 
 EVERYDAY: dict[tuple[str, str], Decimal] = {
@@ -89,6 +91,8 @@ def parse_quantity(text: str, *, unit: str, name: str = "quantity") -> float:
     value = _scaled(number, factor)
     if not math.isfinite(value):
         raise _fault("not finite", text, unit, name)
+    if abs(value) > LARGEST:
+        raise _fault("a number that nothing of a rig has", text, unit, name)
     return value
 
 
@@ -175,7 +179,8 @@ def _pint_conversion(written: str, unit: str) -> Decimal | None:
         # Degrees Celsius and decibels are no factors: their products raise.
         registry.Quantity(Decimal(1), got) * registry.Quantity(Decimal(1), expected)
         got_factor, got_root = registry.get_root_units(got)
-    except pint.errors.PintError:
+    except (pint.errors.PintError, ValueError, ArithmeticError):
+        # A name that is a number to pint's own reader, or a power beyond its decimals.
         return None
     if got.dimensionality != expected.dimensionality:
         return None

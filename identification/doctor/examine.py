@@ -4,6 +4,8 @@ import dataclasses
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from identification.campaign.types import Campaign
 from identification.doctor.case import Case, Record, Rig, case_of
 from identification.doctor.findings import Finding, merged
@@ -61,6 +63,11 @@ def diagnosis(campaign: Campaign) -> Diagnosis:
     Returns:
         Both.
     """
+    with np.errstate(all="ignore"):  # numbers that can't be make others, which no rule fits
+        return _diagnosis(campaign)
+
+
+def _diagnosis(campaign: Campaign) -> Diagnosis:
     case, findings = duplicates(case_of(campaign))
     # Commands in another unit would all be strong ones: they are taken by their largest.
     largest = max(float(abs(record.voltage).max()) for record in case.records)

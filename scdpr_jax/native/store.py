@@ -72,6 +72,7 @@ def keep(name: str, code: bytes) -> None:
     head = _MARK + name.encode() + b"\n" + hashlib.sha256(code).digest()
     try:
         with whole_file(own / name) as part:
+            part.chmod(0o600)
             part.write_bytes(head + code)
     except OSError as reason:
         _refused(reason)

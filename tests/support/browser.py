@@ -5,6 +5,7 @@ Its DevTools protocol needs no library: a message is JSON, ended by a zero byte.
 
 import base64
 import contextlib
+import io
 import json
 import os
 import pathlib
@@ -26,14 +27,14 @@ def executable() -> str | None:
 class Page:
     """The one page of a browser."""
 
-    def __init__(self, write: int, read: int) -> None:
+    def __init__(self, write: io.RawIOBase, read: io.RawIOBase) -> None:
         """A page that nothing is shown on yet.
 
         Args:
-            write: File descriptor of the browser's ear.
-            read: File descriptor of its mouth.
+            write: The browser's ear.
+            read: Its mouth.
         """
-        self._write, self._read = os.fdopen(write, "wb", 0), os.fdopen(read, "rb", 0)
+        self._write, self._read = write, read
         self._rest, self._number, self._session = b"", 0, None
         self.complaints: list[str] = []
         target = self._call("Target.createTarget", url="about:blank")["targetId"]
@@ -41,11 +42,6 @@ class Page:
         self._session = attached["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self._call(f"{domain}.enable")
-
-    def close(self) -> None:
-        """Nothing more is asked."""
-        self._write.close()
-        self._read.close()
 
     def show(
         self,
@@ -189,8 +185,8 @@ def browser() -> Iterator[Page]:
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         process = subprocess.Popen(
             [
-                # The protocol speaks on descriptors 3 and 4.
-                "sh",
+                # The protocol speaks on descriptors 3 and 4; `sh` knows none of two digits.
+                "bash",
                 "-c",
                 f'exec "$0" "$@" 3<&{to_browser} 4>&{from_browser}',
                 executable() or "chromium",
@@ -208,10 +204,9 @@ def browser() -> Iterator[Page]:
         )
         os.close(to_browser)
         os.close(from_browser)
-        page = Page(from_us, to_us)
         try:
-            yield page
+            with os.fdopen(from_us, "wb", 0) as ear, os.fdopen(to_us, "rb", 0) as mouth:
+                yield Page(ear, mouth)
         finally:
-            page.close()
             process.terminate()
             process.wait(timeout=20)

@@ -8,7 +8,7 @@ from scdpr_jax.command.controller import published_pd
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
-from tuning.refine.logged_leg import LoggedLeg
+from tuning.refinement.logged_leg import LoggedLeg
 
 NOISE = 1.9e-4, 2e-3
 GAINS = tuple(

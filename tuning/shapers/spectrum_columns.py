@@ -13,6 +13,8 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
+from scdpr_jax.numerics.files.harmless import represented
+
 Numbers = Float[np.ndarray, " bins"]
 Conversion = Callable[[Numbers], Numbers]
 
@@ -153,7 +155,8 @@ def frequency_unit(column: Label) -> tuple[str, float]:
     factor = _BY_CASE.get(column.unit) or HERTZ.get(unit)
     if factor is None:
         raise ValueError(
-            f"the unit of column {column.text!r} isn't known, got {column.unit!r}, expected "
+            f"the unit of column {represented(column.text)} isn't known, got "
+            f"{represented(column.unit)}, expected "
             "Hz, kHz, mHz, rad/s, deg/s or rpm. Convert the column to Hz."
         )
     return column.unit, factor
@@ -181,7 +184,8 @@ def density_conversion(column: Label) -> tuple[str, Conversion]:
     if not unit or _LINEAR.fullmatch(unit):
         return column.unit, np.asarray
     raise ValueError(
-        f"the unit of column {column.text!r} isn't known, got {column.unit or unit!r}, "
+        f"the unit of column {represented(column.text)} isn't known, got "
+        f"{represented(column.unit or unit)}, "
         "expected a power spectral density of acceleration: (mm/s^2)^2/Hz, (m/s^2)^2/Hz, "
         "g^2/Hz, their root in g/sqrt(Hz), or dB. Convert the column; an amplitude has to be "
         "squared."

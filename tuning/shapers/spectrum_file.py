@@ -15,6 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
+from scdpr_jax.numerics.files.harmless import represented
 from tuning.shapers.spectrum import THRESHOLD, Spectrum
 from tuning.shapers.spectrum_columns import (
     Label,
@@ -210,7 +211,8 @@ def _numbers(
             continue
         values = [_number(row[place]) for place in places]
         faults += [
-            f"row {line}, column {labels[place].text!r}: got {row[place]!r}"
+            f"row {line}, column {represented(labels[place].text)}: got "
+            f"{represented(row[place])}"
             for place, value in zip(places, values, strict=True)
             if not _is_possible(value, labels[place])
         ]
@@ -243,9 +245,9 @@ def _check_frequency(table: SpectrumTable, frequency: Numbers, name: str) -> Non
     if back.size:
         line = table.rows[int(back[0]) + 1][0]
         raise ValueError(
-            f"{table.path}, row {line}, column {name!r}: got {frequency[back[0] + 1]:g} after "
-            f"{frequency[back[0]]:g}, expected frequencies that increase [Hz]. Sort the rows, "
-            "and give each frequency once."
+            f"{table.path}, row {line}, column {represented(name)}: got "
+            f"{frequency[back[0] + 1]:g} after {frequency[back[0]]:g}, expected frequencies "
+            "that increase [Hz]. Sort the rows, and give each frequency once."
         )
     if frequency.size < _FEWEST:
         raise ValueError(

@@ -5,7 +5,7 @@ import dataclasses
 import pathlib
 import re
 
-from scdpr_jax.numerics.files.given import TABLE, read_given_text
+from scdpr_jax.numerics.files.given import CELL, TABLE, read_given_text
 
 EXPECTED = "a header such as 'freq,psd_x,psd_y,psd_z,psd_xyz' and a row of numbers per bin"
 """What such a file holds, for messages."""
@@ -72,6 +72,11 @@ def _cells(path: pathlib.Path, number: int, line: str) -> tuple[str, ...]:
             f"{path}, row {number}: {error}, got {line[:_SHOWN]!r}, expected {EXPECTED}. "
             "Export the spectrum as CSV (UTF-8)."
         ) from None
+    if any(len(cell) > CELL for cell in row):
+        raise ValueError(
+            f"{path}, row {number}: a cell longer than {CELL} characters, got "
+            f"{line[:_SHOWN]!r}, expected {EXPECTED}. Export the spectrum as CSV (UTF-8)."
+        )
     return _without_empty(tuple(cell.strip() for cell in row), 0)
 
 

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
 from experiments.page import style
 from experiments.page.number_text import percent
@@ -137,7 +136,5 @@ def intervals(
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
     axes.set_xlabel("half of the 95 % interval, relative to the value [%]")
-    axes.xaxis.set_major_locator(LogLocator(numticks=6))
-    axes.xaxis.set_major_formatter(style.one_digit)
-    axes.xaxis.set_minor_locator(NullLocator())
+    style.decades(axes.xaxis)
     return figure

@@ -51,7 +51,8 @@ def residuals(comparison: Comparison) -> Figure:
     """
     series = residuals_in_sigma(comparison)
     camera = [coordinate for coordinate in CAMERA if coordinate.name in series]
-    figure, grid = style.panels(1, 2 if camera else 1, sharex=True, height=2.4)
+    columns = 2 if camera else 1
+    figure, grid = style.panels(1, columns, sharex=True, height=2.6, width=5.0 * columns)
     if camera:
         for coordinate in camera:
             grid[0].plot(

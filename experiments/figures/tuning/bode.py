@@ -41,7 +41,7 @@ def bode(loop: OpenLoop, margins: Margins) -> Figure:
         titles.append(f"gain margin {plain(gain_margin, 3)} dB at {plain(at_phase, 3)} rad/s")
     above.set(title="\n".join(titles), ylabel="gain [dB]")
     below.set(ylabel="phase [°]", xlabel="angular frequency [rad/s]")
-    below.xaxis.set_major_formatter(style.one_digit)
+    style.decades(below.xaxis)
     low = max(float(loop.phase.min()), -360.0)
     below.set_ylim(low - 10, loop.phase.max() + 20)
     return figure

@@ -29,7 +29,7 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     Returns:
         The figure.
     """
-    figure, (way, arrival, command, others) = style.panels(2, 2, height=6.6)
+    figure, (way, arrival, command, others) = style.panels(2, 2, height=7.2)
     fitted = compared.planned[0]
     _, target = _along(fitted)
     way.plot(
@@ -53,9 +53,21 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
         others.plot(left, range(len(runs)), "o", color=color)
     _bounds(arrival, leg_time, compared)
     name_commands(command, voltage_limit=voltage_limit)
-    others.set_yticks(range(len(compared.names)), compared.names)
-    others.invert_yaxis()
+    for place, name in enumerate(compared.names):
+        # Above its dots, within the panel: a column of names would take half of a phone.
+        others.annotate(
+            name,
+            (0.0, place - 0.38),
+            xycoords=("axes fraction", "data"),
+            xytext=(3, 0),
+            textcoords="offset points",
+            va="center",
+        )
+    others.set_yticks([])
+    others.set_ylim(len(compared.names) - 0.6, -0.8)
+    others.grid(False, axis="y")
     others.set_xscale("log")
+    style.decades(others.xaxis)
     others.set_axisbelow(True)
     way.set(title="on the way", ylabel="way covered [mm]")
     arrival.set(

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
 from experiments.page import style
 from tuning.result.prediction import LegsOutcome
@@ -35,8 +34,6 @@ def legs_outcome(sides: Sequence[tuple[str, LegsOutcome]]) -> Figure:
             xscale="log", xlabel=f"{name} [mm]", ylabel="legs with less [%]", ylim=(0, 101)
         )
         axes.yaxis.set_tick_params(labelleft=True)
-        axes.xaxis.set_major_locator(LogLocator())
-        axes.xaxis.set_major_formatter(style.one_digit)
-        axes.xaxis.set_minor_locator(NullLocator())
+        style.decades(axes.xaxis)
     style.figure_legend(figure, left, columns=3)
     return figure

@@ -35,8 +35,8 @@ def shaped_spectrum(spectrum: Spectrum, shapers: Sequence[NamedShaper]) -> Figur
     Returns:
         The figure.
     """
-    figure = style.new_figure(height=6.4)
-    grid = figure.add_gridspec(2, 2, width_ratios=(2, 1))
+    figure = style.new_figure(height=6.4, width=8.6)
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.4, 1.0))
     power, left = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0])
     impulses = figure.add_subplot(grid[:, 1])
     power.sharex(left)
@@ -136,5 +136,6 @@ def duration_against_vibration(design: SpectrumDesign) -> Figure:
         xlabel="duration of the shaper [ms]",
         ylabel="vibration left [%]",
     )
+    style.decades(axes.yaxis)
     style.figure_legend(figure, axes, columns=5)
     return figure

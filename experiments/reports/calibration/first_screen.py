@@ -23,7 +23,6 @@ _SHORT = {
 }
 _SMALL = 1e-4
 """Size below which a number is written with a power of ten."""
-_ORDER = tuple(_SHORT)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -59,7 +58,9 @@ class FirstScreen:
     """Answers to the three questions that a reader comes with."""
 
     robot: tuple[Quantity, ...]
-    """What is the robot."""
+    """What is the robot: the paper's quantities."""
+    more: int
+    """How many others were estimated."""
     trust: Trust
     """Can I trust it."""
     laws: tuple[Law, ...]
@@ -78,14 +79,11 @@ def first_screen(findings: Findings) -> FirstScreen:
         The three answers.
     """
     free = estimated(findings.estimate)
-
-    def place(parameter: ParameterEstimate) -> int:
-        known = parameter.name in _ORDER
-        return _ORDER.index(parameter.name) if known else len(_ORDER)
-
+    usual = [parameter for name in _SHORT for parameter in free if parameter.name == name]
     legs = None if findings.tuning is None else findings.tuning.tuning.legs
     return FirstScreen(
-        tuple(map(_quantity, sorted(free, key=place))),
+        tuple(map(_quantity, usual)),
+        len(free) - len(usual),
         trust(findings),
         () if legs is None else _laws(legs),
         _words(findings.tuning, legs),
@@ -111,7 +109,7 @@ def _quantity(parameter: ParameterEstimate) -> Quantity:
     kind = {quantity.name: quantity for quantity in EVERY_QUANTITY}.get(parameter.name)
     half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
     unit = "" if parameter.unit == "1" else f" {readable_unit(parameter.unit)}"
-    name = _SHORT.get(parameter.name, parameter.name.replace("_", " "))
+    name = _SHORT[parameter.name]
     size = abs(parameter.value)
     if not np.isfinite(half):
         # Nothing tells how far off it is: a hundredth is more than it is worth.

@@ -60,16 +60,25 @@ def _misfit(channel: Channel) -> Cell:
     return Cell(plain(times), shade(share, _MISFIT), strong=not channel.is_noise)
 
 
-def quantity_symbol(name: str, setting: str | None) -> str:
-    """A quantity in as few letters as tell it.
+def quantity_symbols(quantities: Sequence[tuple[str, str | None]]) -> tuple[str, ...]:
+    """Quantities in as few letters as tell them apart.
 
     Args:
-        name: Its name in the file formats.
-        setting: Nominal pretension that it belongs to, if it does.
+        quantities: Their names in the file formats, and the nominal pretensions that they
+            belong to, if they do.
 
     Returns:
-        "T 350 N".
+        "T 350 N"; the name in words where two have the same symbol, as the paper's b is both a
+        length and a damping.
     """
+    symbols = [_symbol(*quantity) for quantity in quantities]
+    return tuple(
+        symbol if symbols.count(symbol) == 1 else name.replace("_", " ")
+        for symbol, (name, _) in zip(symbols, quantities, strict=True)
+    )
+
+
+def _symbol(name: str, setting: str | None) -> str:
     kind = {quantity.name: quantity for quantity in EVERY_QUANTITY}.get(name)
     symbol = "".join(plain_symbol(kind.symbol)) if kind else name.replace("_", " ")
     return f"{symbol} {setting}" if setting else symbol

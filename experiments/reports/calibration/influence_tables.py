@@ -6,11 +6,14 @@ import numpy as np
 
 from experiments.page.number_text import plain, rounded
 from experiments.page.table import Table
-from experiments.studies.findings.influence import has_error, shown_quantity
+from experiments.reports.calibration.heat_tables import quantity_symbols
+from experiments.studies.findings.influence import has_error
 from experiments.studies.findings.parameters import estimated
 from identification.judge.influence import Influence, Interval
 from identification.judge.uncertainty import ParameterEstimate
 from identification.result.estimate import Estimate
+
+_TENTH = 0.1
 
 
 def influence_tables(estimate: Estimate) -> tuple[Table, ...]:
@@ -40,7 +43,10 @@ def _left_out(influence: Influence) -> Table:
     return Table(
         f"Each run left out, by {how}: by how many of its standard errors each quantity moves "
         "(and by how many noise alone would)",
-        ("without", *(shown_quantity(influence.names[k]) for k in np.flatnonzero(measured))),
+        (
+            "without",
+            *quantity_symbols(tuple(influence.names[k] for k in np.flatnonzero(measured))),
+        ),
         rows,
     )
 
@@ -48,20 +54,27 @@ def _left_out(influence: Influence) -> Table:
 def _cell(moved: float, noise: float) -> str:
     if math.isnan(moved):
         return "not told"
-    sign = "−" if moved < 0 else "+"
-    return f"{sign}{plain(abs(moved), 2)} ({plain(noise, 2)})"
+    size = _short(abs(moved))
+    sign = "" if not size.strip("0.") else "−" if moved < 0 else "+"
+    return f"{sign}{size} ({_short(noise)})"
+
+
+def _short(errors: float) -> str:
+    """Standard errors to two digits, and to no more than a hundredth of one."""
+    return f"{errors:.2f}" if errors < _TENTH else plain(errors, 2)
 
 
 def _bootstrap(influence: Influence, parameters: tuple[ParameterEstimate, ...]) -> Table:
+    symbols = quantity_symbols(tuple((p.name, p.setting) for p in parameters))
     rows = tuple(
         (
-            shown_quantity((p.name, p.setting)),
+            symbol,
             *_ends(p, p.interval95),
             *_ends(p, own),
             plain(runs, 2),
         )
-        for p, own, runs in zip(
-            parameters, influence.interval95, influence.telling.tolist(), strict=True
+        for symbol, p, own, runs in zip(
+            symbols, parameters, influence.interval95, influence.telling.tolist(), strict=True
         )
     )
     return Table(

@@ -8,7 +8,7 @@ from identification.campaign.types import Run, Sensors
 from identification.data.start import clocks, rest_until, start_pose
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import TILT, UPPER, X
-from tuning.refine.logged_leg import LoggedLeg
+from tuning.refinement.logged_leg import LoggedLeg
 
 SEEN = [X, TILT, UPPER]
 """Columns of the camera that no drive leads."""

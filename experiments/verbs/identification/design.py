@@ -39,6 +39,7 @@ def design(
         top_speed: Largest speed of the end-effector in either direction.
         seed: Of the robots that are drawn.
     """
+    try_out(out, out.with_suffix(".png"))
     set_up()
     import jax
 
@@ -53,7 +54,6 @@ def design(
     from scdpr_jax.numerics.files import whole_file, write_whole
     from scdpr_jax.robot.quantities import value
 
-    try_out(out, out.with_suffix(".png"))
     fitted = read_parameters(parameters)
     rig = known_rig(
         fitted,
@@ -67,7 +67,7 @@ def design(
         duration=seconds,
         poses=poses(rig.robot),
     )
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "design") as progress:
         candidates = propose(
             rig, excitations, aim.criterion, key=jax.random.key(seed), progress=progress
         )

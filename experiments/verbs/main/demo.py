@@ -15,6 +15,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
         out: Folder for the campaign and the results.
         seed: Seed of the robot, its start poses and its noise.
     """
+    try_out(out / "report.html")
     set_up()
     from experiments.page.drawing import drawing_aside
     from experiments.reports import summary
@@ -33,8 +34,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             f"`--out`: {logs} exists already, got a demo's folder or yours, expected none. "
             "Name another folder, or remove it."
         )
-    try_out(out / "report.html")
-    with shown_progress(ERRORS) as progress, drawing_aside() as draw:
+    with shown_progress(ERRORS, "demo") as progress, drawing_aside() as draw:
         truth = rig.draw_truth(seed)
         made = rig.campaign(truth, seed, progress=progress.part(0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)

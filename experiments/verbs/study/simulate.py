@@ -2,7 +2,7 @@
 
 import pathlib
 
-from experiments.runtime import set_up
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, pasted, plan_call, say, suggest, wrote
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
@@ -26,6 +26,7 @@ def simulate(
         setting: Nominal pretension, "350 N"; default: the first of the parameters.
         tuning: tuning.json for its gains and shaper; default: the PD of Eq. (25) alone.
     """
+    try_out(out / "simulation.csv")
     set_up()
     from experiments.studies import simulated_run
     from identification.campaign.quantities import parse_quantity
@@ -33,14 +34,14 @@ def simulate(
     from scdpr_jax.numerics.files import write_whole
     from tuning.result.document import read_tuning
 
-    try_out(out / "simulation.csv")
     fitted = read_parameters(parameters)
     label = setting or (fitted.settings[0] if fitted.settings else "0 N")
     pretension = parse_quantity(label, unit="N", name="--setting")
     leg = parse_quantity(leg_time, unit="s", name="--leg-time")
     reference = simulated_run.manoeuvre(manoeuvre, leg)
     tuned = None if tuning is None else read_tuning(tuning)
-    with ERRORS.status("simulating"):
+    with shown_progress(ERRORS, "simulate") as progress:
+        progress("simulating", 0.0)
         run = simulated_run.simulate(fitted.of_setting(label), reference, tuned, pretension)
     write_whole(out / "simulation.csv", simulated_run.table(run))
     sound = fitted.fits and (tuned is None or not tuned.caution)

@@ -59,6 +59,7 @@ def sweep(
     from experiments.runtime.executors.chosen import chosen, require_cluster
 
     require_cluster(cluster, certificates, cores)
+    try_out(out)
     set_up(double=precision == "double", all_cores=True)
     from experiments.figures.sweep_map import sweep_map
     from experiments.sweep.axes import parse_axes
@@ -75,9 +76,8 @@ def sweep(
     check_places(axes, robot)
     if warning := check_room(wanted, axes, out):
         complain(f"warning: {warning}")
-    try_out(out)
     with (
-        shown_progress(ERRORS) as progress,
+        shown_progress(ERRORS, f"sweep {measure}") as progress,
         chosen(cluster, certificates, cores or 1) as executor,
     ):
         dataset = run_sweep(

@@ -10,7 +10,7 @@ from experiments.verbs.exit_status import DONE, FELL_SHORT
 
 if TYPE_CHECKING:
     from experiments.page.table import Table
-    from tuning.refine.refine import Refined
+    from tuning.refinement.refine import Refined
     from tuning.result.tuning import Tuning
 
 
@@ -37,7 +37,7 @@ def refine(
     from experiments.page.console_text import print_table
     from experiments.reports.written_files import write_tuned
     from experiments.studies.legs.logged_legs import logged_legs, read_runs
-    from tuning.refine.refine import refine as corrected
+    from tuning.refinement.refine import refine as corrected
     from tuning.result.document import read_tuning
 
     tuned = read_tuning(tuning)

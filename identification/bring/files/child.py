@@ -1,12 +1,14 @@
 """What runs in the child process: reads files whose readers may crash, hang or eat memory.
 
 Run as `python -m identification.bring.files.child OUT KIND PATH KIND PATH …`. What came of
-the k-th file is `OUT/k.npz`. A reader that raises, or brings down the process, leaves no such
-file, so that the parent knows which file it was; the last line of a traceback says why.
+the k-th file is `OUT/k.npz`. A reader that raises, or brings down its process, leaves
+`OUT/k.ended` in its place, how it ended, and `OUT/k.said`, whose last line says why. Where a
+process can't be copied, nothing is left, and the whole has ended.
 """
 
 import contextlib
 import json
+import os
 import pathlib
 import signal
 import sys
@@ -17,6 +19,8 @@ import numpy as np
 from identification.bring.files.channel import Channel
 from scdpr_jax.numerics.processes import end_with_parent
 
+Reader = Callable[[pathlib.Path], list[Channel]]
+"""What reads a file's channels."""
 SECONDS = 1.5
 """Processor time that every file may take [s]."""
 SECONDS_A_MEGABYTE = 3.0
@@ -54,20 +58,45 @@ def main(arguments: list[str]) -> None:
     end_with_parent()
     out, *files = arguments
     for number, (kind, name) in enumerate(zip(files[::2], files[1::2], strict=True)):
-        path = pathlib.Path(name)
-        reader = _reader(kind)
-        with _limited(path):
-            content = _packed(reader(path))
-        scratch = pathlib.Path(out) / f"{number}.part.npz"
-        try:
-            np.savez(scratch, **content)
-        except OSError as error:
-            print(error.strerror, file=sys.stderr)
-            sys.exit(FULL_DISK)
-        scratch.replace(pathlib.Path(out) / f"{number}.npz")
+        reader, result = _reader(kind), pathlib.Path(out) / f"{number}.npz"
+        if sys.platform == "win32":
+            _read(reader, pathlib.Path(name), result)
+        else:
+            _read_apart(reader, pathlib.Path(name), result)
 
 
-def _reader(kind: str) -> Callable[[pathlib.Path], list[Channel]]:
+def _read(reader: Reader, path: pathlib.Path, result: pathlib.Path) -> None:
+    with _limited(path):
+        content = _packed(reader(path))
+    scratch = result.with_suffix(".part.npz")
+    try:
+        np.savez(scratch, **content)
+    except OSError as error:
+        print(error.strerror, file=sys.stderr)
+        sys.exit(FULL_DISK)
+    scratch.replace(result)
+
+
+def _read_apart(reader: Reader, path: pathlib.Path, result: pathlib.Path) -> None:
+    """The same in a copy of this process, which has the libraries: it may die of the file.
+
+    What it says, and how it ends, is left beside the result.
+    """
+    process = os.fork()
+    if process == 0:
+        end_with_parent()
+        said = os.open(result.with_suffix(".said"), os.O_CREAT | os.O_WRONLY, 0o600)
+        os.dup2(said, 2)
+        _read(reader, path, result)
+        os._exit(0)
+    _, status = os.waitpid(process, 0)
+    ended = os.waitstatus_to_exitcode(status)
+    if ended == FULL_DISK:
+        sys.exit(FULL_DISK)
+    result.with_suffix(".ended").write_text(str(ended))
+
+
+def _reader(kind: str) -> Reader:
     """A kind's reader; its library is loaded before the limits hold."""
     if kind == "tdms":
         from identification.bring.files.tdms import read_tdms

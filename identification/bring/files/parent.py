@@ -21,6 +21,7 @@ import numpy as np
 from identification.bring.files.channel import Channel, Waveform
 from identification.bring.files.child import FULL_DISK, seconds
 from identification.campaign.faults import Fault
+from identification.campaign.quantities import LARGEST
 from scdpr_jax.numerics.files.scratch import scratch_folder
 
 PATIENCE = 6.0
@@ -78,23 +79,38 @@ def _run(out: Path, files: Sequence[tuple[str, Path]]) -> str:
         )
     except subprocess.TimeoutExpired:
         return "no end"
-    ended = child.returncode
+    if child.returncode == FULL_DISK:
+        raise OSError(errno.ENOSPC, "No space left on device", str(out))
+    return _reason(child.returncode, child.stderr)
+
+
+def _reason(ended: int, said: bytes) -> str:
+    """Why a process ended.
+
+    Args:
+        ended: Its exit status; minus the signal that ended it.
+        said: What it said of itself.
+    """
     if sys.platform != "win32" and ended == -signal.SIGPROF:
         return "more time than a file of its size can need"
     if ended < 0:
         return f"an end of its reader by {signal.Signals(-ended).name}"
-    if ended == FULL_DISK:
-        raise OSError(errno.ENOSPC, "No space left on device", str(out))
-    said = child.stderr.decode(errors="replace").strip().splitlines()
-    return said[-1][:300] if said else f"an end of its reader with status {ended}"
+    lines = said.decode(errors="replace").strip().splitlines()
+    return lines[-1][:300] if lines else f"an end of its reader with status {ended}"
 
 
 def _results(out: Path, files: Sequence[tuple[str, Path]]) -> Iterator[list[Channel] | Fault]:
+    """What came of the first of some files: of all, or up to one that ended the whole."""
     for number, (_, path) in enumerate(files):
         result = out / f"{number}.npz"
-        if not result.exists():
+        ended = result.with_suffix(".ended")
+        if result.exists():
+            yield _unpacked(result, path)
+        elif ended.exists():
+            said = result.with_suffix(".said").read_bytes()
+            yield _fault(path, _reason(int(ended.read_text()), said))
+        else:
             return
-        yield _unpacked(result, path)
 
 
 def _unpacked(result: Path, path: Path) -> list[Channel] | Fault:
@@ -109,6 +125,9 @@ def _unpacked(result: Path, path: Path) -> list[Channel] | Fault:
 
 def _channel(row: dict, values: np.ndarray) -> Channel:
     waveform = row.pop("waveform")
+    if values.dtype.kind == "f":
+        # What no sensor measures is no number: a mark of what is missing, or damage.
+        values = np.where(np.abs(values) <= LARGEST, values, np.nan)
     return Channel(
         **row, values=values, waveform=None if waveform is None else Waveform(**waveform)
     )

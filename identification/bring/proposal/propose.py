@@ -56,7 +56,8 @@ def propose_mapping(
     opened, faults = open_logs([(Path(log), Dialect()) for log in logs])
     if faults:
         raise CampaignError(path, told(faults), what="proposal")
-    proposal = propose(opened, rig or Campaign(name="", runs=()), path=Path(path))
+    with np.errstate(all="ignore"):  # numbers that can't be make others, which nothing fits
+        proposal = propose(opened, rig or Campaign(name="", runs=()), path=Path(path))
     write_whole(Path(path), mapping_text(proposal, Path(path)))
     return proposal
 

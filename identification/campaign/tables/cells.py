@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from identification.campaign.faults import Fault
+from identification.campaign.quantities import LARGEST
 from identification.campaign.tables.columns import Scale
 from identification.campaign.tables.header import Header
 
@@ -56,7 +57,7 @@ def cell_faults(header: Header, body: Sequence[Row], *, may_be_empty: bool) -> I
             text, fault = cells[place].strip(), None
             optional = may_be_empty and column.name != "t"
             value = cell_number(text, header.scale(place), may_be_empty=optional)
-            if value is None:
+            if value is None or abs(value) > LARGEST:
                 fault = _no_number(cells[place], optional=optional)
             elif column.name == "t":
                 fault = None if value > time else _not_increasing(text, before)
@@ -102,6 +103,6 @@ def _not_increasing(text: str, before: str) -> Fault:
 
 def _is_not_finite(text: str) -> bool:
     try:
-        return not math.isfinite(float(text))
+        return not abs(float(text)) <= LARGEST
     except ValueError:
         return False

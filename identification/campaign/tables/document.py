@@ -58,6 +58,8 @@ def row_of(text: str, path: Sequence[str]) -> int | None:
     Returns:
         The line from 1: the key's, its table's if the key isn't there, or None.
     """
+    if not path:
+        return None
     table = ""
     table_line = None
     for number, line in enumerate(text.splitlines(), start=1):

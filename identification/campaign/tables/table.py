@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float64, Shaped
 
 from identification.campaign.faults import Fault, listed
+from identification.campaign.quantities import LARGEST
 from identification.campaign.tables.cells import Row, cell_faults, cell_number
 from identification.campaign.tables.columns import Column, Scale
 from identification.campaign.tables.header import Header, read_header
@@ -117,7 +118,7 @@ def _convert(header: Header, body: list[Row], *, may_be_empty: bool) -> Table | 
     for place, column in header.columns.items():
         empty = may_be_empty and column.name != "t"
         numbers = _numbers(columns[place], header.scale(place), may_be_empty=empty)
-        if numbers is None:
+        if numbers is None or np.any(np.abs(numbers) > LARGEST):
             return None
         values[column.name], units[column.name] = numbers, header.units[place]
     if not np.all(np.diff(values["t"]) > 0):

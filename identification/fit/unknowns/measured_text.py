@@ -11,6 +11,7 @@ from identification.fit.unknowns.measured import (
     MeasuredQuantity,
 )
 from identification.fit.unknowns.unknowns import PER_SETTING
+from scdpr_jax.numerics.files.harmless import represented
 from scdpr_jax.robot.quantities import EVERY_QUANTITY, quantity
 
 FREQUENCY, BREAKAWAY = "natural_frequency", "breakaway_voltage"
@@ -20,6 +21,7 @@ _GRAMMAR = re.compile(
     r"\s*(?P<name>\w+)\s*=\s*(?P<value>[^=]+?)\s*(?:\+-|\+/-|±)\s*(?P<sigma>[^=]+?)"
     r"(?:\s+at\s+(?P<places>.+?))?\s*"
 )
+_LONGEST = 300
 _EXAMPLES = (
     '"drive_friction = 0.2 N m +- 0.1 N m", '
     f'"{PER_SETTING} = 71 N +- 2 N at 350 N", '
@@ -42,7 +44,7 @@ def parse_measured(text: str) -> Measured:
     Raises:
         ValueError: If the text isn't that.
     """
-    match = _GRAMMAR.fullmatch(text)
+    match = _GRAMMAR.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
         raise _fault("can't be read", text)
     name, places = match["name"], [p for p in (match["places"] or "").split(",") if p.strip()]
@@ -82,6 +84,6 @@ def _expected(name: str, text: str) -> tuple[str, int]:
 
 def _fault(problem: str, text: str) -> ValueError:
     return ValueError(
-        f"`measured`: what was measured {problem}, got {text!r}, expected NAME = VALUE +- "
-        f"STANDARD ERROR with units. Write it like {_EXAMPLES}."
+        f"`measured`: what was measured {problem}, got {represented(text)}, expected NAME = "
+        f"VALUE +- STANDARD ERROR with units. Write it like {_EXAMPLES}."
     )

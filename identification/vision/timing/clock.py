@@ -11,6 +11,7 @@ from identification.campaign.tables.columns import TIME
 from identification.campaign.tables.text_file import read_text
 from identification.vision.settings.document import FIRST_STAMP, Time
 from scdpr_jax.numerics.files.given import TABLE, split_rows
+from scdpr_jax.numerics.files.harmless import represented
 
 _CERTAIN = 0.3  # of the change beside it
 _NOISY = 1.0  # levels: two pictures of a noisy camera differ by more
@@ -105,7 +106,7 @@ def read_stamps(path: Path) -> dict[int, float]:
     if column is None or "frame" not in header:
         raise ValueError(
             f"stamps: {path.name}: got the columns "
-            f"{', '.join(header)[:80] or 'none'}, expected "
+            f"{represented(', '.join(header)) if header else 'none'}, expected "
             "`frame` and `t [s]`. Name them so; frames count from 0."
         )
     stamps = {}
@@ -117,8 +118,9 @@ def read_stamps(path: Path) -> dict[int, float]:
             stamp = float(row[header.index(column)])
         except (ValueError, IndexError):
             raise ValueError(
-                f"stamps: {path.name}, row {number}: got {','.join(row)[:80]!r}, expected a "
-                f"whole number of a frame and a time {column[1:].strip()}. Correct the row."
+                f"stamps: {path.name}, row {number}: got {represented(','.join(row))}, "
+                f"expected a whole number of a frame and a time {column[1:].strip()}. "
+                "Correct the row."
             ) from None
         stamps[frame] = float(units[column](np.array([stamp]))[0])
     return stamps

@@ -35,6 +35,18 @@ def test_the_quantities_of_the_paper_come_first_with_their_intervals():
     assert rows[1].name == "pretension at 350 N"
 
 
+def test_other_quantities_are_counted_and_left_to_the_table():
+    more = parameter("drive_friction", 0.05, 1e-4, unit="N m")
+    good = findings(sure(), campaign=campaign())
+    fitted = dataclasses.replace(
+        good.estimate.fitted, parameters=(more, *good.estimate.parameters)
+    )
+    told = dataclasses.replace(good, estimate=dataclasses.replace(good.estimate, fitted=fitted))
+    first = first_screen(told)
+    assert [row.symbol[0] for row in first.robot] == ["μ", "T", "J"]
+    assert first.more == 1
+
+
 def test_a_value_that_nothing_tells_has_no_interval():
     good = findings(sure(), campaign=campaign())
     unknown = parameter("drive_inertia", 0.01, math.inf, unit="kg m^2", status="unidentifiable")

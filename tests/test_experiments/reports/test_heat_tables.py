@@ -6,7 +6,7 @@ from experiments.page.coordinates import COORDINATES
 from experiments.reports.calibration.heat_tables import (
     correlation_heat,
     misfit_heat,
-    quantity_symbol,
+    quantity_symbols,
 )
 
 
@@ -44,5 +44,10 @@ def test_correlations_are_in_hundredths_and_those_near_one_are_strong():
 
 
 def test_a_quantity_of_a_setting_is_told_with_it():
-    assert quantity_symbol("effective_pretension", "350 N") == "T 350 N"
-    assert quantity_symbol("friction_coefficient", None) == "μ"
+    told = quantity_symbols((("effective_pretension", "350 N"), ("friction_coefficient", None)))
+    assert told == ("T 350 N", "μ")
+
+
+def test_two_quantities_of_one_symbol_are_told_in_words():
+    told = quantity_symbols((("drive_damping", None), ("upper_offset", None)))
+    assert told == ("drive damping", "upper offset")

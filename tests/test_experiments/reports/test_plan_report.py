@@ -67,7 +67,7 @@ def test_a_saturated_drive_is_told(short, compared):
 
 
 def test_the_page_has_every_robot_and_loads_nothing(short, compared):
-    page = plan_page(short, compared, voltage_limit=LIMIT, tuning="<b>tuning</b>")
+    page = plan_page(short, compared, robot=ROBOT, tuning="<b>tuning</b>")
     assert all(name in page for name in compared.names)
     assert all(cell in page for table in tables(compared) for row in table.rows for cell in row)
     assert "&lt;b&gt;tuning" in page

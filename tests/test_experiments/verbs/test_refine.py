@@ -12,7 +12,7 @@ from experiments.reports import written_files
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from identification.campaign.write import write_campaign
 from scdpr_jax.robot.quantities import value
-from tuning.refine.refine import Refined
+from tuning.refinement.refine import Refined
 from tuning.result.document import read_tuning, write_tuning
 from tuning.result.tuning import FittedSetting
 

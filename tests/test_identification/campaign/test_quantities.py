@@ -95,12 +95,28 @@ def test_a_bare_number_is_handed_back_with_its_unit():
         parse_quantity("350", unit="N")
 
 
-finite = st.floats(allow_nan=False, allow_infinity=False)
+# What is larger is nothing of a rig, and refused.
+finite = st.floats(-1e30, 1e30)
 
 
 @hypothesis.given(value=finite, unit=st.sampled_from(["1", "N", "kg m^2", "N m s", "rad"]))
 def test_a_written_quantity_is_read_back_exactly(value, unit):
     assert parse_quantity(format_quantity(value, unit), unit=unit) == value
+
+
+@pytest.mark.parametrize("text", ["1e31 N", "-1e300 N", "1e8 YN"])
+def test_a_number_that_nothing_of_a_rig_has_is_refused(text):
+    with pytest.raises(ValueError, match="nothing of a rig has"):
+        parse_quantity(text, unit="N")
+
+
+@pytest.mark.parametrize(
+    "text", ["1 " + "a" * 100_000, "1 N" + " N" * 1000, "9" * 100_000 + ",", "1 " + "N " * 7]
+)
+def test_a_quantity_longer_than_people_write_is_refused_at_once(text):
+    with pytest.raises(QuantityError) as caught:
+        parse_quantity(text, unit="N")
+    assert len(str(caught.value)) < 400
 
 
 def outcome(text, unit):

@@ -23,7 +23,7 @@ def draw_step_response(response: StepResponse) -> Figure:
     Returns:
         The figure.
     """
-    figure, (axes,) = style.panels(1, 1, height=2.8, width=6.0)
+    figure, (axes,) = style.panels(1, 1, height=2.8, width=5.0)
     axes.plot(
         response.time, response.speed, "o", ms=3, color=style.BLUE, label="encoder, 10 ms"
     )
@@ -56,6 +56,8 @@ def draw_bode(designs: dict[str, Design]) -> Figure:
         axes.axvline(CROSSOVER, color=style.GREY, ls="--", lw=1)
         axes.set_xlabel("angular frequency [rad/s]")
     phase.axhline(-120, color=style.GREY, ls="--", lw=1)
+    for axis in (gain.xaxis, gain.yaxis, phase.xaxis):
+        style.decades(axis)
     gain.set_ylabel("|R G| [1]")
     phase.set_ylabel("phase [°]")
     style.legend_above(gain)

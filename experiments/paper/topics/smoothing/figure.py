@@ -28,7 +28,7 @@ def draw_smoothing(numbers: Smoothing) -> Figure:
     Returns:
         The figure: what is off on the left, what it costs on the right.
     """
-    figure, (off, cost) = style.panels(1, 2, widths=(3.0, 2.0), height=4.2)
+    figure, (off, cost) = style.panels(1, 2, widths=(1.1, 1.0), height=4.2, width=9.6)
     for name, values, (colour, line, width) in zip(
         SYMBOLS, 100 * np.abs(numbers.bias.T), _FITTED, strict=True
     ):
@@ -53,6 +53,8 @@ def draw_smoothing(numbers: Smoothing) -> Figure:
     for axes in (off, cost):
         _mark_default(axes)
         axes.set_xlabel("width vₛ of the friction [m/s]")
+        style.decades(axes.xaxis)
+    style.decades(off.yaxis)
     style.legend_above(off, columns=3)
     style.legend_above(cost, columns=2)
     return figure
@@ -71,5 +73,4 @@ def _mark_default(axes: Axes) -> None:
         xytext=(4, 0),
         textcoords="offset points",
         va="top",
-        fontsize=9,
     )

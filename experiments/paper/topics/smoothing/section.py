@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiments.page.number_text import percent, short
+from experiments.page.number_text import percent, plain, short
 from experiments.page.page import Pictures
 from experiments.page.table import table_of
 from experiments.paper.content import Content, Section
@@ -35,7 +35,7 @@ def smoothing(picture: Pictures) -> Content:
         "is the smoothing's bias.",
         f"At the default width of {SMOOTHING_WIDTH:g} m/s μ comes out "
         f"{percent(default.bias[0])} off; {percent(WANTED, 1)} asks for "
-        f"{numbers.width_for_wanted:.1e} m/s. The bias goes with the width to the power "
+        f"{plain(numbers.width_for_wanted)} m/s. The bias goes with the width to the power "
         f"{numbers.order:.2f}.",
         "The derivative by μ of where the robot is errs by "
         f"{percent(default.sliding)} while the carriages slide and by "
@@ -46,7 +46,7 @@ def smoothing(picture: Pictures) -> Content:
         f"Narrow is stiff: {numbers.by_width[-1].steps:.0f} steps a run at the widest, "
         f"{numbers.by_width[0].steps:.0f} at the narrowest. The exact engine takes "
         f"{fine.steps:.0f} steps of {1e3 * STEPS[-1]:g} ms, and its fit is off by "
-        f"{np.abs(100 * fine.bias).max():.0e} % at most: fits are made with it.",
+        f"{short(float(np.abs(100 * fine.bias).max()), 1)} % at most: fits are made with it.",
         picture(
             draw_smoothing(numbers),
             "Left: bias of the estimates, and error of the derivative of the position by "

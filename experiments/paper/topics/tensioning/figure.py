@@ -34,6 +34,7 @@ def draw_creep(numbers: Creep) -> Figure:
         frequency.semilogx(numbers.hours[shown], 100 * left, color=colour)
     for axes in (tension, frequency):
         axes.set_xlabel("time under load [h]")
+        style.decades(axes.xaxis)
     tension.set_ylabel("pretension [N]")
     frequency.set_ylabel("natural frequency left [%]")
     style.legend_above(tension, columns=2)

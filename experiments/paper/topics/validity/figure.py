@@ -39,6 +39,7 @@ def draw_linear_error(numbers: Validity) -> Figure:
             )
         axes.axhline(1e3 * CAMERA, color=style.GREY, ls="--", lw=1, label="camera")
         axes.set(title=f"T_eff {tension:g} N", xlabel="yₑ [mm]")
+        style.decades(axes.yaxis)
     panels[0].set_ylabel("error of (18) [mm]")
     style.figure_legend(figure, panels[0], columns=6)
     return figure

@@ -23,7 +23,7 @@ def draw_fig3(numbers: Workspaces) -> Figure:
     Returns:
         The figure: four maps.
     """
-    figure, panels = style.panels(2, 2, height=5.6)
+    figure, panels = style.panels(4, 1, height=12.5, width=5.0)
     for axes, cables in zip(panels, numbers.cables, strict=True):
         needed = np.where(np.isfinite(cables.needed), cables.needed, np.nan)
         filled = axes.contourf(
@@ -39,7 +39,9 @@ def draw_fig3(numbers: Workspaces) -> Figure:
             else f"{100 * printed:.2f} % at no T_max: {100 * cables.share(1e9):.1f} % at most"
         )
         axes.set_xlabel(requirement)
-    bar = figure.colorbar(filled, ax=list(panels), shrink=0.9, pad=0.01)
+    bar = figure.colorbar(
+        filled, ax=list(panels), orientation="horizontal", shrink=0.9, pad=0.01, aspect=30
+    )
     bar.set_label("T_max that a pose needs [N]")
     return figure
 

@@ -13,6 +13,8 @@ import itertools
 import re
 from collections.abc import Sequence
 
+from identification.campaign.quantities import LARGEST
+
 SEPARATORS = (";", "\t", ",", "|", " ")
 """Separators that are tried; a blank stands for any number of blanks and tabs."""
 COMMENTS = ("#", "%", "//", "!", "*")
@@ -163,7 +165,8 @@ def number(cell: str, decimal: str) -> float | None:
         cell = cell.replace(",", ".")
     if _NUMBER.fullmatch(cell) is None:
         return None
-    return float(cell.replace("d", "e").replace("D", "e"))
+    value = float(cell.replace("d", "e").replace("D", "e"))
+    return value if abs(value) <= LARGEST else None
 
 
 def is_missing(cell: str) -> bool:

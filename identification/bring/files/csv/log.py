@@ -17,6 +17,7 @@ from identification.bring.files.csv.dialect import (
 )
 from identification.bring.files.csv.text import read_text
 from identification.campaign.faults import Fault, listed
+from identification.campaign.quantities import LARGEST
 
 _UNIT = re.compile(
     r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\)|<(?P<angle>[^<>]*)>)"
@@ -154,9 +155,10 @@ def _plain(cells: Sequence[str], decimal: str) -> np.ndarray | None:
             return None
         cells = [cell.replace(",", ".") for cell in cells]
     try:
-        return np.array([float(cell) for cell in cells])
+        values = np.array([float(cell) for cell in cells])
     except ValueError:
         return None
+    return values if np.all(np.abs(values) <= LARGEST) else None
 
 
 def _near(

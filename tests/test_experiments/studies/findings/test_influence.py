@@ -38,7 +38,7 @@ def test_too_few_runs_for_a_bootstrap_are_said_to_be_too_few():
 def test_an_interval_from_the_bootstrap_stands_beside_the_reported_one():
     (_, table) = influence_tables(with_influence(enough=True))
     assert table.rows[2] == (
-        "effective pretension 350 N", "84.900", "85.100", "84.850", "85.150", "6.0"
+        "T 350 N", "84.900", "85.100", "84.850", "85.150", "6.0"
     )  # fmt: skip
 
 
@@ -76,4 +76,4 @@ def test_a_quantity_without_a_standard_error_has_no_column():
     moved[:, 1] = np.nan
     found = dataclasses.replace(made.influence, moved=moved)
     (table, _) = influence_tables(dataclasses.replace(made, influence=found))
-    assert table.header == ("without", "friction coefficient", "effective pretension 350 N")
+    assert table.header == ("without", "μ", "T 350 N")

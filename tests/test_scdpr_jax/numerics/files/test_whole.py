@@ -13,7 +13,12 @@ import pytest
 from scdpr_jax.numerics.files import whole_file, write_whole
 
 
-# A lone surrogate has no UTF-8.
+# A lone surrogate has no UTF-8, and is written out.
+def test_a_lone_surrogate_is_written_as_json_writes_it(tmp_path):
+    write_whole(tmp_path / "a.json", '"\udcff"')
+    assert (tmp_path / "a.json").read_text() == r'"\udcff"'
+
+
 @hypothesis.given(st.text(st.characters(exclude_categories=["Cs"])))
 def test_a_text_is_read_as_it_was_written(tmp_path_factory, text):
     path = tmp_path_factory.mktemp("out") / "text.csv"

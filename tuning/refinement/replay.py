@@ -19,8 +19,8 @@ from scdpr_jax.native import Slopes
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.feedforward import inverse_dynamics, stretch
 from tuning.plan.profile import Moment
-from tuning.refine.corrections import CORRECTIONS, with_corrections
-from tuning.refine.logged_leg import STEP, LoggedLeg, Way
+from tuning.refinement.corrections import CORRECTIONS, with_corrections
+from tuning.refinement.logged_leg import STEP, LoggedLeg, Way
 
 NUISANCES = 2
 """What is corrected of each leg's start: where it rested [m], and the line's slope [1]."""

@@ -8,9 +8,9 @@ import pytest
 from logged_legs import OFF, TRUE, logged
 
 from scdpr_jax.robot.quantities import value
-from tuning.refine.corrections import CORRECTIONS, with_corrections
-from tuning.refine.refine import refine
-from tuning.refine.replay import NUISANCES, Replay
+from tuning.refinement.corrections import CORRECTIONS, with_corrections
+from tuning.refinement.refine import refine
+from tuning.refinement.replay import NUISANCES, Replay
 
 pytestmark = leg_rigs.needs_compiler
 

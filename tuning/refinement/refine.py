@@ -6,7 +6,7 @@ $$ \frac{q(\theta) - q_{seen}}{\sigma\sqrt{d}}, \qquad
    \frac{\bar V(\theta) - \bar V_{told}}{\sigma_V}, \qquad \frac{\theta}{w} $$
 
 over frames of the camera, intervals of the drives' motion, and corrections $\theta$ with their
-widths; $d$ discounts frames, see `tuning.refine.misfit`.
+widths; $d$ discounts frames, see `tuning.refinement.misfit`.
 
 A correction is kept only if it foretells legs that it hasn't seen better than the fit does.
 """
@@ -22,10 +22,10 @@ from scdpr_jax.numerics.merit import SumOfSquares
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import quantity, value
-from tuning.refine.corrections import CORRECTIONS, lowest_shares, with_corrections
-from tuning.refine.logged_leg import LoggedLeg
-from tuning.refine.misfit import residuals, seen
-from tuning.refine.replay import NUISANCES, Replay
+from tuning.refinement.corrections import CORRECTIONS, lowest_shares, with_corrections
+from tuning.refinement.logged_leg import LoggedLeg
+from tuning.refinement.misfit import residuals, seen
+from tuning.refinement.replay import NUISANCES, Replay
 
 START = np.array([2e-4, 2e-3])
 """Standard deviations of where a leg was seen to start: place [m] and slope [1]."""

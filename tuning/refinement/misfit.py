@@ -7,8 +7,8 @@ discounted, or three legs would overrule a campaign.
 import numpy as np
 from jaxtyping import Float
 
-from tuning.refine.logged_leg import STEP
-from tuning.refine.replay import Replay, Replayed
+from tuning.refinement.logged_leg import STEP
+from tuning.refinement.replay import Replay, Replayed
 
 DISCOUNT = 16.0
 """Frames of a camera that tell as much as one would if the model were right [1]."""
