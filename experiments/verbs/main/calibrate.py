@@ -64,7 +64,7 @@ def calibrate(
     held_out = None if hold_out is None else run_names(read, hold_out)
     set_up()
     freed = free_quantities(free)
-    from experiments.page.drawing import drawing_aside
+    from experiments.page.pictures.drawing import drawing_aside
     from experiments.reports import summary
     from experiments.reports.report import FitPictures
     from experiments.reports.written_files import write_calibration

@@ -5,7 +5,7 @@ import pytest
 from markupsafe import escape
 
 from experiments.page import style
-from experiments.page.drawing import draw, drawing_aside
+from experiments.page.pictures.drawing import draw, drawing_aside
 
 
 @style.styled

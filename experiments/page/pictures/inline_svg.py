@@ -8,7 +8,7 @@ import matplotlib
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from experiments.page.panels import Cut, cut, parts
+from experiments.page.pictures.panels import Cut, cut, parts
 from experiments.page.theme import themed
 from scdpr_jax.numerics.files.harmless import printable
 
