@@ -1,6 +1,7 @@
 """The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
 
 import contextlib
+import errno
 import gc
 import io
 import os
@@ -140,15 +141,14 @@ def _told(verb: str, what: object, status: int) -> int:
 
 def _unusable(error: OSError) -> str:
     """Why a file or a folder can't be used, and what to do."""
-    import errno
-
-    remedy = "Give a place that can be read and written."
+    remedy = "Name another place."
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
-        remedy = "Make room there, or name a place on another disk."
+        remedy = "Make room there, or name another place."
     elif error.errno == errno.ENOENT:
         remedy = "Check its name."
     where, reason = error.filename or "a file", error.strerror or str(error)
-    return f"{where}: can't be used, got {reason}. {remedy}"
+    expected = "one that can be read and written"
+    return f"{where}: can't be used, got {reason}, expected {expected}. {remedy}"
 
 
 def _prepare_process() -> None:

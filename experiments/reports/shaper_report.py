@@ -1,15 +1,18 @@
 """What is told of a shaper for a spectrum: in the terminal and as a page."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from rich.console import Console
 
 from experiments.figures.tuning.spectrum import duration_against_vibration, shaped_spectrum
-from experiments.page.console_text import print_lines, print_table
+from experiments.page.console_text import print_lines, print_table, print_text
 from experiments.page.number_text import percent, plain
 from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
 from experiments.studies.findings.responses import NamedShaper
 from scdpr_jax.command.shaper import Shaper
+from tuning.shapers.firmware import Pasted
 from tuning.shapers.measures import smoothing
 from tuning.shapers.shaper_file import ACCELERATION
 from tuning.shapers.spectrum import THRESHOLD
@@ -120,6 +123,24 @@ def show(console: Console, file: SpectrumFile, design: SpectrumDesign) -> None:
     for table in tables(design):
         print_table(console, table)
     print_lines(console, sentences(design))
+
+
+def show_pasted(console: Console, pasted: Sequence[Pasted]) -> None:
+    """Print the lines that a firmware is told of a shaper.
+
+    Args:
+        console: Where to print them.
+        pasted: The lines for each firmware.
+    """
+    for each in pasted:
+        name, left = each.fit.entry.name, _left(each.fit.residual)
+        print_text(
+            console,
+            f"For {each.firmware}, which makes its impulses itself, of those that it knows "
+            f"{name}, which leaves {left}; paste:",
+        )
+        for line in each.lines:
+            print_text(console, f"    {line}")
 
 
 def shaper_page(file: SpectrumFile, design: SpectrumDesign) -> str:

@@ -9,6 +9,7 @@ from experiments.studies.runs_file import runs_table
 from identification.knocks.frequency_map import write_frequencies
 from identification.result.parameters_file import write_parameters
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.provenance import made_today
 from tuning.export import write_exports
 from tuning.result.document import write_tuning
 from tuning.result.tuning import Tuning
@@ -72,12 +73,21 @@ def write_calibration(
     """
     mapped = findings.frequencies is not None
     parameters = out / "parameters.json"
-    write_parameters(parameters, findings.estimate, accepted=findings.campaign.accepted)
+    made = made_today(findings.campaign.name, findings.campaign.source)
+    write_parameters(
+        parameters,
+        findings.estimate,
+        accepted=findings.campaign.accepted,
+        provenance=made,
+    )
     if mapped:
         write_frequencies(findings.frequencies, out / "frequencies.csv")
     runs = out / "runs.csv"
     write_whole(runs, runs_table(findings.estimate.comparisons))
-    tuning = None if findings.tuning is None else write_tuned(out, findings.tuning.tuning)
+    tuning = None
+    if findings.tuning is not None:
+        tuned = dataclasses.replace(findings.tuning.tuning, provenance=made)
+        tuning = write_tuned(out, tuned)
     report = out / "report.html"
     write_report(
         report,

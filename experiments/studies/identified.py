@@ -3,6 +3,8 @@
 import dataclasses
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from identification.campaign.types import Campaign
 from identification.checks.leave_out import without_each_run
 from identification.checks.posterior import posterior as sampled
@@ -84,10 +86,15 @@ def identified(
         ValueError: If the campaign doesn't allow a fit, or numpyro is missing.
         FloatingPointError: If a run's simulation isn't finite.
     """
+    # A profile takes as long as a fit, a fit without each run twice, draws ten times.
+    costs = [1.0, 1.0 * question.profile, 2.0 * question.leave_out, 10.0 * question.posterior]
+    ends = np.cumsum([0.0, *costs]) / sum(costs)
+    fitting, profiling, leaving, drawing = map(progress.part, ends[:-1], ends[1:])
     fit = estimate if question.free else select
-    fitted = fit(campaign, question.options, progress=progress)
+    fitted = fit(campaign, question.options, progress=fitting)
+    profiling("profiles" if question.profile else "", 0.0)
     traced = tuple(traced_profiles(campaign, fitted)) if question.profile else ()
     if question.leave_out:
-        fitted = without_each_run(campaign, fitted, progress=progress)
-    drawn = sampled(campaign, fitted, progress=progress) if question.posterior else None
+        fitted = without_each_run(campaign, fitted, progress=leaving)
+    drawn = sampled(campaign, fitted, progress=drawing) if question.posterior else None
     return Identified(fitted, traced, drawn)

@@ -2,6 +2,9 @@
 
 from collections.abc import Iterable, Mapping
 
+from identification.campaign.types import Campaign
+from scdpr_jax.robot.stated.names import EVERY_QUANTITY
+
 SYMBOLS: Mapping[str, str] = {
     "mu": "friction_coefficient",
     "J": "drive_inertia",
@@ -33,6 +36,39 @@ def full_names(
     return tuple(_full(each, names, argument=argument, what=what) for each in given)
 
 
+def free_quantities(given: Iterable[str]) -> tuple[str, ...]:
+    """Quantities to estimate.
+
+    Args:
+        given: What follows `--free`.
+
+    Returns:
+        Their names.
+
+    Raises:
+        ValueError: If one stands for no quantity, or for several.
+    """
+    known = [quantity.name for quantity in EVERY_QUANTITY]
+    return full_names(given, known, argument="--free", what="quantity")
+
+
+def run_names(campaign: Campaign, given: Iterable[str]) -> tuple[str, ...]:
+    """Runs to predict instead of fitting them.
+
+    Args:
+        campaign: The campaign.
+        given: What follows `--hold-out`.
+
+    Returns:
+        Their names.
+
+    Raises:
+        ValueError: If one stands for no run, or for several.
+    """
+    known = [run.name for run in campaign.runs]
+    return full_names(given, known, argument="--hold-out", what="run")
+
+
 def _full(given: str, known: tuple[str, ...], *, argument: str, what: str) -> str:
     if given in known:
         return given
@@ -49,7 +85,7 @@ def _full(given: str, known: tuple[str, ...], *, argument: str, what: str) -> st
         if near:
             break
     expected = near or known
-    kind = "stands for several" if near else "no such"
+    kind = "more than one" if near else "no such"
     raise ValueError(
         f"`{argument}`: {kind} {what}, got {given!r}, expected one of: {', '.join(expected)}. "
         "Give its name, or as much of it as no other has."

@@ -11,6 +11,7 @@ from identification.campaign.streams import (
     ACCELEROMETER_FILE,
     CAMERA_FILE,
     DRIVE_FILE,
+    EPOCH,
     read_accelerometer,
     read_camera,
     read_drive,
@@ -26,14 +27,13 @@ from identification.campaign.types import (
     default_sensors,
 )
 from scdpr_jax.numerics.files.given import DOCUMENT
+from scdpr_jax.provenance import hash_of
 
 CAMPAIGN_FILE = "campaign.toml"
 """Name of the file about the rig."""
 RUN_FILE = "run.toml"
 """Name of the file about a run."""
 _FILES = (RUN_FILE, DRIVE_FILE, CAMERA_FILE, ACCELEROMETER_FILE)
-EPOCH = 1e8
-"""Times from which on a clock counts from 1970 and not from a run's begin: three years [s]."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -86,7 +86,15 @@ def read_campaign(path: str | Path, *, skip_bad_runs: bool = False) -> Campaign:
     unusable = campaign is None or reading.faults or not campaign.runs
     if unusable or (bad and not skip_bad_runs):
         raise CampaignError(path, reading.all_faults)
-    return dataclasses.replace(campaign, skipped=bad)
+    return dataclasses.replace(campaign, skipped=bad, source=_source(Path(path)))
+
+
+def _source(folder: Path) -> str:
+    """Hash of a campaign's files, the pictures and videos beside them left out."""
+    files = [folder / CAMPAIGN_FILE]
+    names = (RUN_FILE, DRIVE_FILE, CAMERA_FILE, ACCELEROMETER_FILE)
+    files += [run / name for run in _run_folders(folder) for name in names]
+    return hash_of([file for file in files if file.is_file()], folder)
 
 
 def survey(path: str | Path) -> Reading:

@@ -14,6 +14,8 @@ from identification.campaign.types import AccelerometerStream, CameraStream, Dri
 
 DRIVE_FILE = "drive.csv"
 """Name of the controller's stream."""
+EPOCH = 1e8
+"""Times from which on a clock counts from 1970 and not from a run's begin: three years [s]."""
 CAMERA_FILE = "camera.csv"
 """Name of the vision system's stream."""
 

@@ -175,6 +175,8 @@ class Campaign:
     """Names of the runs that were left out, each with its faults."""
     accepted: tuple[str, ...] = ()
     """Contradictions of its sensors that a user has accepted, in words: results carry them."""
+    source: str = ""
+    """Hash of its files, `scdpr_jax.provenance.hash_of`; empty where there are none."""
 
     def __repr__(self) -> str:
         seconds = sum(float(run.drive.time[-1] - run.drive.time[0]) for run in self.runs)

@@ -6,18 +6,23 @@ from typing import Any
 from identification.axis.estimate import DriveAxisEstimate
 from identification.axis.law import AxisLaws
 from identification.result.parameters_file import write_document
+from scdpr_jax.provenance import UNKNOWN, Provenance
 
 
-def write_axis_parameters(path: pathlib.Path, laws: AxisLaws) -> None:
+def write_axis_parameters(
+    path: pathlib.Path, laws: AxisLaws, *, provenance: Provenance = UNKNOWN
+) -> None:
     """Write a drive axis's estimate as `parameters.json`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         laws: The usual friction law, and the extended one beside it.
+        provenance: Where it comes from.
     """
     unit = laws.usual.position_unit
     document = {
         "format": 1,
+        "provenance": provenance.model_dump(),
         **_axis(laws.usual),
         "extended": {
             "preferred_by_held_out_data": laws.extended_is_preferred,

@@ -19,9 +19,11 @@ from identification.judge.uncertainty import (
     judge,
 )
 from scdpr_jax.numerics.levenberg_marquardt import Minimum, free_unknowns
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import QUANTITIES, quantity, replace, value
+from scdpr_jax.robot.stated.ranges import SETTING_TOLERANCE
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,6 +52,8 @@ class FittedRobot:
     """Correlation of the estimated ones, in their order; None where it isn't known [1]."""
     residuals: tuple[Residual, ...] = ()
     """What the fit leaves of each channel of each run."""
+    provenance: Provenance = UNKNOWN
+    """Where it comes from."""
 
     @property
     def estimated(self) -> tuple[ParameterEstimate, ...]:
@@ -78,14 +82,21 @@ class FittedRobot:
         Raises:
             ValueError: If no fitted run had that setting.
         """
+        near = next((each for each in self.settings if _is_near(each, label)), label)
         for parameter in self.parameters:
-            if parameter.name == PER_SETTING and parameter.setting in (label, None):
+            if parameter.name == PER_SETTING and parameter.setting in (near, None):
                 return replace(self.robot, {PER_SETTING: parameter.value})
         raise ValueError(
             f"`setting`: no effective pretension for {label!r}, got "
             f"{', '.join(self.settings) or 'none'} in the parameters [N]. Name one of these, "
             "or identify from runs at that setting."
         )
+
+
+def _is_near(setting: str, label: str) -> bool:
+    """Whether two labels, "350 N", are the same setting as a controller reads it."""
+    numbers = [float(text.removesuffix("N")) for text in (setting, label) if text.endswith("N")]
+    return len(numbers) == 2 and abs(numbers[0] - numbers[1]) <= SETTING_TOLERANCE * numbers[0]
 
 
 def fitted_robot(

@@ -24,6 +24,7 @@ from identification.result.fitted_robot import FittedRobot, Residual
 from identification.result.possible_parameters import check_parameters
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.numerics.json_file import JsonObject, read_json
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import EVERY_QUANTITY, replace
@@ -35,6 +36,7 @@ def write_parameters(
     profiles: Sequence[Profile] = (),
     posterior: Posterior | None = None,
     accepted: Sequence[str] = (),
+    provenance: Provenance | None = None,
 ) -> None:
     """Write an estimate as `parameters.json`, whole or not at all.
 
@@ -44,8 +46,9 @@ def write_parameters(
         profiles: Its profiles, where they were traced.
         posterior: Draws from what the logs leave possible, where they were made.
         accepted: Contradictions of the sensors that the fit went on with, in words.
+        provenance: Where it comes from.
     """
-    write_whole(path, parameters_text(estimate, profiles, posterior, accepted))
+    write_whole(path, parameters_text(estimate, profiles, posterior, accepted, provenance))
 
 
 def parameters_text(
@@ -53,6 +56,7 @@ def parameters_text(
     profiles: Sequence[Profile] = (),
     posterior: Posterior | None = None,
     accepted: Sequence[str] = (),
+    provenance: Provenance | None = None,
 ) -> str:
     """What `parameters.json` holds of an estimate.
 
@@ -61,12 +65,14 @@ def parameters_text(
         profiles: Its profiles, where they were traced.
         posterior: Draws from what the logs leave possible, where they were made.
         accepted: Contradictions of the sensors that the fit went on with, in words.
+        provenance: Where it comes from.
 
     Returns:
         The text.
     """
     document = {
         "format": 1,
+        **({} if provenance is None else {"provenance": provenance.model_dump()}),
         "parameters": [_parameter(p) for p in estimate.parameters],
         "correlation": {
             "names": [p.label for p in estimate.fitted.estimated],
@@ -275,6 +281,7 @@ class ParametersDocument(JsonObject):
     parameters: list[_Parameter]
     correlation: _Correlation | None = None
     residuals: tuple[_Residual, ...] = ()
+    provenance: Provenance = UNKNOWN
 
     def fitted_robot(self) -> FittedRobot:
         """The robot, with exact friction.
@@ -301,6 +308,7 @@ class ParametersDocument(JsonObject):
             parameters=tuple(row.estimate() for row in self.parameters),
             correlation=self._correlation(),
             residuals=tuple(Residual(**row.model_dump()) for row in self.residuals),
+            provenance=self.provenance,
         )
 
     def _correlation(self) -> Float[np.ndarray, "n n"] | None:

@@ -57,7 +57,7 @@ def read_json(path: pathlib.Path, model: type[_Model], *, expected: str, verb: s
 _WRITTEN = (
     ({"robots", "controller"}, "a tuning.json, which `scdpr plan` takes"),
     ({"front", "leg"}, "a codesign.json, which `scdpr plan` takes"),
-    ({"parameters", "correlation"}, "a parameters.json, which `scdpr tune` takes"),
+    ({"parameters"}, "a parameters.json, which `scdpr tune` takes"),
     ({"impulses", "compared"}, "a shaper.json of `scdpr shape`"),
     ({"findings"}, "the findings of `scdpr check`"),
 )
@@ -67,18 +67,18 @@ _WRITTEN = (
 def _fault(content: bytes, first: dict[str, Any], expected: str) -> str:
     """What is wrong with a file, in words, and where."""
     if not content.strip():
-        return f"the file is empty, expected {expected}."
+        return f"the file is empty, got no text, expected {expected}."
     if first["type"] == "json_invalid":
         return _not_json(content, expected)
     there = pydantic_core.from_json(content)
     keys = set(there) if isinstance(there, dict) else set()
     for marks, name in _WRITTEN:
         if marks <= keys and name.split(",")[0] != expected:
-            return f"this is {name}, expected {expected}."
+            return f"this is another file, got {name}, expected {expected}."
     where = ".".join(str(part) for part in first["loc"]) or "the file"
     where = shortened(printable(where), 80)
     if first["type"] == "missing":
-        return f"{where} is missing, expected {expected}."
+        return f"{where} is missing, got no such key, expected {expected}."
     got = represented(first["input"], 60)
     told = first["msg"][:1].lower() + first["msg"][1:]
     told = told.replace("input should be", "it should be").removeprefix("value error, ")
@@ -91,12 +91,14 @@ def _not_json(content: bytes, expected: str) -> str:
         json.loads(content)
     except json.JSONDecodeError as error:
         ends = error.pos >= len(content.decode(errors="replace").rstrip())
-        line = error.doc.splitlines()[error.lineno - 1][:60] if error.doc.strip() else ""
+        lines = error.doc.splitlines()
+        row = min(error.lineno, len(lines))
+        line = lines[row - 1][:60]
         if ends or error.msg.startswith("Unterminated"):
-            return f"the file is cut: it ends in row {error.lineno}, after {line.strip()!r}."
-        return f"it isn't JSON, expected {expected}: row {error.lineno}, got {line.strip()!r}."
+            return f"the file is cut, got its end in row {row}, after {line.strip()!r}."
+        return f"row {row} isn't JSON, got {line.strip()!r}, expected {expected}."
     except UnicodeDecodeError as error:
         return f"it isn't text, got the byte 0x{content[error.start]:02x}, expected {expected}."
     except (RecursionError, ValueError):
         return f"it is nested too deeply, or has a number too long, expected {expected}."
-    return f"it isn't JSON as the verbs write it, expected {expected}."
+    return f"the text isn't as the verbs write it, got another JSON, expected {expected}."

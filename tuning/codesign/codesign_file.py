@@ -1,5 +1,6 @@
 """`codesign.json`: the recommended design, the front, and what stands beside them."""
 
+import dataclasses
 import json
 import pathlib
 from typing import Annotated, Any, Literal
@@ -12,10 +13,13 @@ from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.numerics.json_file import JsonObject, read_json
+from scdpr_jax.provenance import UNKNOWN, Provenance
+from tuning.codesign.as_tuning import tuning_of
 from tuning.codesign.recommendation import CoDesign
 from tuning.codesign.search import Designed
 from tuning.codesign.unknowns import Law
 from tuning.loop.worst_margins import WorstMargin
+from tuning.result.document import tuning_document
 from tuning.result.numbers_in_files import (
     Instants,
     SamplePeriod,
@@ -29,20 +33,25 @@ _Share = Annotated[float, pydantic.Field(ge=-100.0, le=100.0)]
 """Share of the way [1]; a leg that overshoots a hundredfold isn't one."""
 
 
-def codesign_document(design: CoDesign, *, caution: str = "") -> str:
+def codesign_document(
+    design: CoDesign, *, caution: str = "", provenance: Provenance = UNKNOWN
+) -> str:
     """A co-design as the text of `codesign.json`.
 
     Args:
         design: The co-design.
         caution: What it has to warn of; empty for nothing.
+        provenance: Where it comes from.
 
     Returns:
         JSON text; SI units.
     """
-    scope = design.scope
+    scope, tuning = design.scope, tuning_of(design, caution=caution)
+    tuning = dataclasses.replace(tuning, provenance=provenance)
     columns, rows = scope.grid
     document = {
         "format": 1,
+        "provenance": provenance.model_dump(),
         **({"caution": caution} if caution else {}),
         **_designed(design.chosen),
         "margins": {
@@ -63,19 +72,29 @@ def codesign_document(design: CoDesign, *, caution: str = "") -> str:
             "seed": scope.seed,
             "count": len(np.asarray(design.chosen.measures.residual_vibration)),
         },
+        # The same as `scdpr plan` and the exports take it.
+        "tuning": json.loads(tuning_document(tuning)),
     }
     return json.dumps(document, indent=1, allow_nan=False) + "\n"
 
 
-def write_codesign(path: pathlib.Path, design: CoDesign, *, caution: str = "") -> None:
+def write_codesign(
+    path: pathlib.Path,
+    design: CoDesign,
+    *,
+    caution: str = "",
+    provenance: Provenance = UNKNOWN,
+) -> None:
     """Write a co-design as `codesign.json`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         design: The co-design.
         caution: What it has to warn of; empty for nothing.
+        provenance: Where it comes from.
     """
-    write_whole(path, codesign_document(design, caution=caution))
+    text = codesign_document(design, caution=caution, provenance=provenance)
+    write_whole(path, text)
 
 
 def read_law(path: pathlib.Path) -> Law:

@@ -5,6 +5,8 @@ import math
 from collections.abc import Sequence
 
 from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.provenance import Provenance
+from scdpr_jax.robot.stated.ranges import SETTING_TOLERANCE
 from tuning.export.description import Constants, Description, decimal
 from tuning.export.template import fill_in
 from tuning.regions.schedule import grids_of, handover_widths
@@ -42,11 +44,13 @@ def c_header(description: Description) -> str:
         FILE,
         constants="\n".join(
             [
+                f"/* {_comment(description.provenance)} */",
                 *_cautions(description),
                 *(_define(description.constants, field) for field in _FIELDS),
             ]
         ),
         region_count=str(len(shapers)),
+        tolerance=decimal(SETTING_TOLERANCE),
         history=str(max(_history(regional.shaper, period) for regional in shapers)),
         tables="\n".join(tables),
         regions="\n".join(regions),
@@ -54,6 +58,11 @@ def c_header(description: Description) -> str:
 
 
 _FIELDS = dataclasses.fields(Constants)
+
+
+def _comment(provenance: Provenance) -> str:
+    """Where it comes from, whatever a campaign is called."""
+    return str(provenance).replace("*/", "* /").replace("\\", "/")
 
 
 def _cautions(description: Description) -> list[str]:

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 from jaxtyping import Array, Float
 
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.fields import si
 from tuning.loop.plant import MotorPlant
@@ -42,6 +43,8 @@ class Description:
     """The shapers, each for legs that end in its region; the first that fits counts."""
     caution: str = ""
     """What every file has to warn of; empty for nothing."""
+    provenance: Provenance = UNKNOWN
+    """Where it comes from."""
 
 
 def describe(tuning: Tuning) -> Description:
@@ -77,6 +80,7 @@ def describe(tuning: Tuning) -> Description:
         plant=MotorPlant(gain=drive_gain(drive), pole=drive_pole(drive)),
         shapers=tuning.shapers,
         caution=tuning.caution,
+        provenance=tuning.provenance,
     )
 
 

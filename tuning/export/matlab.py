@@ -28,6 +28,7 @@ def matlab_script(description: Description) -> str:
         FILE,
         controller="\n".join(
             [
+                f"% {description.provenance}",
                 *([f"% {description.caution}"] if description.caution else []),
                 *(
                     _assign(field.name, getattr(description.constants, field.name), field)

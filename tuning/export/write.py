@@ -1,5 +1,6 @@
 """The folder of a tuning's exports."""
 
+import json
 import pathlib
 
 from scdpr_jax.numerics.files import write_whole
@@ -9,6 +10,8 @@ from tuning.export.onboard.files import FOLDER, onboard_files
 from tuning.export.onboard.program import OnBoard
 from tuning.result.tuning import Tuning
 
+PROVENANCE_FILE = "provenance.json"
+"""Name of the file that tells where the others come from."""
 FORMATS = (
     (c_header.FILE, c_header.c_header),
     (labview.CONTROLLER_FILE, labview.controller_table),
@@ -35,6 +38,9 @@ def write_exports(folder: pathlib.Path, tuning: Tuning) -> tuple[pathlib.Path, .
     description = describe(tuning)
     # Every text is made before the first is written.
     texts = {folder / name: text(description) for name, text in FORMATS}
+    # A table of numbers has no room for it.
+    told = json.dumps(tuning.provenance.model_dump(), indent=1, ensure_ascii=False)
+    texts[folder / PROVENANCE_FILE] = told + "\n"
     fitted = tuning.robot_at()
     planner = OnBoard(fitted.robot, tuning.controller, tuning.caution)
     own = {folder / FOLDER / name: text for name, text in onboard_files(planner).items()}

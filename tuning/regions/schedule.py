@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from scdpr_jax.command.shaper import Shaper, padded, shape_samples
 from scdpr_jax.command.trajectory import Trajectory
 from scdpr_jax.robot.fields import real, si
-from tuning.result.regional_shaper import Range, RegionalShaper
+from tuning.result.regional_shaper import Range, RegionalShaper, nearest_setting
 
 HANDOVER = 0.5
 """Width of a hand-over, as a share of the smaller region beside it [1].
@@ -178,15 +178,15 @@ def regions_at(
         pretension: Nominal setting of the cable loop [N].
 
     Returns:
-        Those of the first range of settings that contains it, row by row.
+        Those of the nearest range of settings, row by row.
 
     Raises:
         ValueError: If no shaper is for that setting, or their regions aren't a grid.
     """
     grids = grids_of(shapers)
-    for (low, high), regions in grids.items():
-        if low <= pretension <= high:
-            return regions
+    near = nearest_setting(grids, pretension)
+    if near is not None:
+        return grids[near]
     settings = ", ".join(f"{low:g} to {high:g} N" for low, high in grids) or "none"
     raise ValueError(
         f"`shapers` has none for {pretension:g} N, got: {settings}. A shaper isn't carried "

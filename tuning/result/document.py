@@ -8,11 +8,14 @@ from typing import Any, Literal
 
 import jax.numpy as jnp
 import pydantic
+import pydantic_core
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.files.given import RESULT, read_given
 from scdpr_jax.numerics.json_file import JsonObject, read_json
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import EVERY_QUANTITY, QUANTITIES, quantity, replace
@@ -50,6 +53,7 @@ def tuning_document(tuning: Tuning) -> str:
     controller = tuning.controller
     document = {
         "format": 1,
+        "provenance": tuning.provenance.model_dump(),
         "controller": {
             "proportional_gain": {
                 "value": float(controller.proportional_gain),
@@ -95,7 +99,7 @@ def write_tuning(path: pathlib.Path, tuning: Tuning) -> None:
 
 
 def read_tuning(path: pathlib.Path) -> Tuning:
-    """Read a tuning from `tuning.json`.
+    """Read a tuning from `tuning.json`, or the one that is in a `codesign.json`.
 
     Args:
         path: The file.
@@ -106,7 +110,7 @@ def read_tuning(path: pathlib.Path) -> Tuning:
     Raises:
         ValueError: If the file isn't what `scdpr tune` writes; says where.
     """
-    document = read_json(path, _Document, expected="a tuning.json", verb="tune")
+    document = _read(path)
     gains = document.controller
     return Tuning(
         controller=PD(
@@ -134,7 +138,19 @@ def read_tuning(path: pathlib.Path) -> Tuning:
         notes=document.notes,
         legs=None if document.legs is None else document.legs.build(),
         caution=document.caution,
+        provenance=document.provenance,
     )
+
+
+def _read(path: pathlib.Path) -> "_Document":
+    """The document, by itself or within a co-design's."""
+    try:
+        content = pydantic_core.from_json(read_given(pathlib.Path(path), most=RESULT))
+    except (OSError, ValueError):
+        content = None  # What is wrong with it is told below.
+    if isinstance(content, dict) and {"front", "leg"} <= content.keys():
+        return read_json(path, _CoDesign, expected="a codesign.json", verb="codesign").tuning
+    return read_json(path, _Document, expected="a tuning.json", verb="tune")
 
 
 def _shaper(regional: RegionalShaper) -> dict[str, Any]:
@@ -306,3 +322,11 @@ class _Document(JsonObject):
     legs: LegsInFile | None = None
     notes: tuple[str, ...] = ()
     caution: str = ""
+    provenance: Provenance = UNKNOWN
+
+
+class _CoDesign(JsonObject):
+    """`codesign.json`, as far as it is a tuning."""
+
+    format: Literal[1]
+    tuning: _Document

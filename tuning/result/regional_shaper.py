@@ -1,9 +1,11 @@
 """A shaper and the part of the workspace that it is for."""
 
 import dataclasses
+from collections.abc import Iterable
 
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.robot.fields import si
+from scdpr_jax.robot.stated.ranges import SETTING_TOLERANCE
 
 Range = tuple[float, float]
 """Lower and upper end."""
@@ -33,6 +35,24 @@ class Region:
         """
         pairs = ((x, self.x), (y, self.y), (pretension, self.pretension))
         return all(low <= number <= high for number, (low, high) in pairs)
+
+
+def nearest_setting(settings: Iterable[Range], pretension: float) -> Range | None:
+    """The range of settings that a pretension belongs to, as a controller reads it.
+
+    Args:
+        settings: Ranges of nominal settings [N].
+        pretension: What was read [N].
+
+    Returns:
+        The nearest one, the first of several; None where none is within
+        `SETTING_TOLERANCE` of it.
+    """
+    off = {span: max(span[0] - pretension, pretension - span[1], 0.0) for span in settings}
+    nearest = min(off, key=off.__getitem__, default=None)
+    if nearest is None or off[nearest] > SETTING_TOLERANCE * nearest[0]:
+        return None
+    return nearest
 
 
 @dataclasses.dataclass(frozen=True)

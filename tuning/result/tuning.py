@@ -3,12 +3,13 @@
 import dataclasses
 
 from scdpr_jax.command.controller import PD
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from tuning.loop.margins import Margins
 from tuning.loop.worst_margins import WorstMargin
 from tuning.result.prediction import PredictedLegs, Prediction
-from tuning.result.regional_shaper import RegionalShaper
+from tuning.result.regional_shaper import RegionalShaper, nearest_setting
 
 CAUTION = (
     "CAUTION: the model doesn't fit the runs that this was made from. It is for a robot that "
@@ -49,6 +50,8 @@ class Tuning:
     """Random legs simulated before and after; None if unknown."""
     caution: str = ""
     """`CAUTION` where the fit that it is made from has failed, else empty."""
+    provenance: Provenance = UNKNOWN
+    """Where it comes from."""
 
     def __repr__(self) -> str:
         controller = self.controller
@@ -80,7 +83,8 @@ class Tuning:
         """The fitted robot at a nominal pretension.
 
         Args:
-            pretension: The setting [N]; None for the first.
+            pretension: The setting [N], as exact as a controller reads it; None for the
+                first.
 
         Returns:
             The robot with its setting.
@@ -88,9 +92,14 @@ class Tuning:
         Raises:
             ValueError: If the tuning has no robot at that setting.
         """
-        for fitted in self.robots:
-            if pretension is None or fitted.pretension == pretension:
-                return fitted
+        if pretension is None and self.robots:
+            return self.robots[0]
+        if pretension is not None:
+            spans = ((fitted.pretension, fitted.pretension) for fitted in self.robots)
+            near = nearest_setting(spans, pretension)
+            for fitted in self.robots:
+                if near is not None and fitted.pretension == near[0]:
+                    return fitted
         settings = ", ".join(f"{fitted.pretension:g} N" for fitted in self.robots) or "none"
         where = "" if pretension is None else f" at {pretension:g} N"
         raise ValueError(
@@ -114,6 +123,12 @@ class Tuning:
         """
         for shaper in self.shapers:
             if shaper.region.contains(x, y, pretension):
+                return shaper
+        # None at what was read: the setting that it is a reading of.
+        near = nearest_setting((own.region.pretension for own in self.shapers), pretension)
+        for shaper in self.shapers:
+            region = shaper.region
+            if region.pretension == near and region.contains(x, y, near[0]):
                 return shaper
         raise ValueError(
             f"`tuning` has no shaper for x = {x:.4g} m, y = {y:.4g} m at {pretension:.4g} N, "

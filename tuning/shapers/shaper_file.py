@@ -1,12 +1,15 @@
 """`shaper.json`: the shaper for a spectrum beside every other that was looked at."""
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from scdpr_jax.command.shaper import Shaper
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from tuning.shapers.design import Design
+from tuning.shapers.firmware import Pasted
 from tuning.shapers.measures import smoothing
 from tuning.shapers.spectrum import THRESHOLD
 from tuning.shapers.spectrum_design import Compared, SpectrumDesign
@@ -18,18 +21,27 @@ OPTIMISED = "optimised"
 """Kind of a shaper that isn't the catalogue's."""
 
 
-def shaper_document(file: SpectrumFile, design: SpectrumDesign) -> str:
+def shaper_document(
+    file: SpectrumFile,
+    design: SpectrumDesign,
+    *,
+    pasted: Sequence[Pasted] = (),
+    provenance: Provenance = UNKNOWN,
+) -> str:
     """A design as the text of `shaper.json`.
 
     Args:
         file: The spectrum as it was read.
         design: The shapers for it.
+        pasted: Lines for firmwares.
+        provenance: Where it comes from.
 
     Returns:
         JSON text; times in s, residual vibration as a share, smoothing in m.
     """
     document = {
         "format": 1,
+        "provenance": provenance.model_dump(),
         **_designed(design.recommended),
         "spectrum": {
             "file": file.path.name,
@@ -50,6 +62,10 @@ def shaper_document(file: SpectrumFile, design: SpectrumDesign) -> str:
             comparison.fit.entry.name: _compared(comparison) for comparison in design.compared
         },
         "front": [_designed(each) for each in design.front],
+        "firmware": {
+            each.firmware.lower(): {"kind": each.fit.entry.name, "lines": list(each.lines)}
+            for each in pasted
+        },
     }
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 

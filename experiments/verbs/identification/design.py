@@ -67,7 +67,7 @@ def design(
         duration=seconds,
         poses=poses(rig.robot),
     )
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "design") as progress:
         candidates = propose(
             rig, excitations, aim.criterion, key=jax.random.key(seed), progress=progress
         )

@@ -2,8 +2,8 @@
 
 import pathlib
 
-from experiments.runtime import set_up
-from experiments.verbs.console import OUT, Folder, pasted, say, suggest, wrote
+from experiments.runtime import set_up, shown_progress
+from experiments.verbs.console import ERRORS, OUT, Folder, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import BAD_INPUT, DONE
 from experiments.verbs.places import require_outside, try_out
 
@@ -40,7 +40,9 @@ def frequencies(
     from identification.fit.unknowns.options import FitOptions
     from identification.knocks.frequency_map import frequency_map, write_frequencies
 
-    knocks = frequency_map(read)
+    with shown_progress(ERRORS, "frequencies") as progress:
+        progress("ring-downs", 0.0)
+        knocks = frequency_map(read)
     write_frequencies(knocks, out / "frequencies.csv")
     summary.show_frequencies(OUT, knocks)
     for note in (*read.accepted, *ringing_doubts(knocks, FitOptions().prior(read))):

@@ -84,7 +84,7 @@ def identify(
     # What is wrong with the input is said before anything heavy is imported.
     from experiments.runtime.executors.chosen import require_cluster
     from experiments.studies.campaigns.places import is_one, places
-    from experiments.verbs.names import free_quantities
+    from identification.campaign.abbreviation import free_quantities
     from identification.doctor.accepted import require_identifiers
 
     require_cluster(cluster, certificates, cores)
@@ -132,26 +132,33 @@ def _one(
 ) -> int:
     """A campaign by itself, with all that is to be said of it."""
     from experiments.verbs.log_doctor import examined
-    from experiments.verbs.names import run_names
     from identification.campaign import read_campaign
+    from identification.campaign.abbreviation import run_names
 
     try_out(out / "parameters.json")
-    read = examined(
-        read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="identify"
-    )
+    logs = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    held_out = run_names(logs, asked["hold_out"])
+    read = examined(logs, accept, verb="identify")
     if read is None:
         return BAD_INPUT
-    held_out = run_names(read, asked["hold_out"])
     set_up()
     from experiments.reports import summary
     from experiments.studies.findings.findings import findings
     from experiments.studies.identified import identified
     from identification.result.parameters_file import write_parameters
+    from scdpr_jax.provenance import made_today
 
     question = _question(asked | {"hold_out": held_out})
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "identify") as progress:
         fitted, traced, drawn = identified(read, question, progress=progress)
-    write_parameters(out / "parameters.json", fitted, traced, drawn, read.accepted)
+    write_parameters(
+        out / "parameters.json",
+        fitted,
+        traced,
+        drawn,
+        read.accepted,
+        made_today(read.name, read.source),
+    )
     calibration = findings(fitted, campaign=read)
     summary.show(OUT, calibration, profiles=traced, posterior=drawn)
     summary.show_influence(OUT, calibration)

@@ -2,7 +2,7 @@
 
 import pathlib
 
-from experiments.runtime import set_up
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 from experiments.verbs.places import try_out
@@ -25,6 +25,7 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     from identification.axis.log import read_axis_log
     from identification.campaign.quantities import QuantityError, parse_quantity
     from identification.result.axis_file import write_axis_parameters
+    from scdpr_jax.provenance import hash_of, made_today
 
     read = read_axis_log(log)
     unit = "N m/V" if read.is_rotary else "N/V"
@@ -37,9 +38,11 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
             else "a length: the gain is a force per volt"
         )
         raise ValueError(f"{error} The position of {log} is {kind} [{unit}].") from None
-    with ERRORS.status("fits from several starts, half a minute for a long log"):
+    with shown_progress(ERRORS, "identify-drive") as progress:
+        progress("fits from several starts, half a minute for a long log", 0.0)
         laws = axis_laws(read, gain=force, delay_samples=delay_samples)
-    write_axis_parameters(out / "parameters.json", laws)
+    made = made_today(log.name, hash_of([log], log.parent))
+    write_axis_parameters(out / "parameters.json", laws, provenance=made)
     report.write_drive_report(out / "report.html", log=read, laws=laws)
     summary.show_axis(OUT, laws)
     wrote(out / "parameters.json", out / "report.html")

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import tyro
 
+from experiments.runtime import shown_progress
 from experiments.verbs.console import ERRORS, pasted, say, suggest, wrote
 from experiments.verbs.exit_status import DONE
 from experiments.verbs.places import results_of, try_out
@@ -49,7 +50,8 @@ def import_(
 def _import(mapping: pathlib.Path, into: pathlib.Path) -> int:
     from identification.bring.campaign_import import import_campaign
 
-    with ERRORS.status("reads the logs"):
+    with shown_progress(ERRORS, "import") as progress:
+        progress("reads the logs", 0.0)
         campaign = import_campaign(mapping, into)
     for run in campaign.runs:
         frames = 0 if run.camera is None else len(run.camera.time)

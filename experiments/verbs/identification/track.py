@@ -49,7 +49,7 @@ def track(
     from identification.vision.tracking import track as tracked_poses
 
     told = read_vision(vision)
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "track") as progress:
         whole = progress.part(0.0, 0.6 if overlay else 1.0)
         tracked = tracked_poses(told, vision.parent, progress=whole)
         write_camera(out, tracked)
@@ -98,7 +98,7 @@ def _show(tracked: "Tracked") -> None:
 def _propose(video: pathlib.Path, target: pathlib.Path) -> int:
     from identification.vision.proposal import propose
 
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "track --propose") as progress:
         proposal = propose(video, target, progress=progress)
     for line in proposal.lines:
         say(line)

@@ -51,19 +51,18 @@ def calibrate(
     """
     # What is wrong with the input is said before anything heavy is imported.
     from experiments.verbs.log_doctor import examined
-    from experiments.verbs.names import free_quantities, run_names
     from identification.campaign import read_campaign
+    from identification.campaign.abbreviation import free_quantities, run_names
 
     require_outside(out, campaign)
     try_out(out / "report.html")
-    read = examined(
-        read_campaign(campaign, skip_bad_runs=skip_bad_runs), accept, verb="calibrate"
-    )
+    logs = read_campaign(campaign, skip_bad_runs=skip_bad_runs)
+    held_out = None if hold_out is None else run_names(logs, hold_out)
+    freed = free_quantities(free)
+    read = examined(logs, accept, verb="calibrate")
     if read is None:
         return BAD_INPUT
-    held_out = None if hold_out is None else run_names(read, hold_out)
     set_up()
-    freed = free_quantities(free)
     from experiments.page.pictures.drawing import drawing_aside
     from experiments.reports import summary
     from experiments.reports.report import FitPictures
@@ -72,7 +71,7 @@ def calibrate(
     from identification.fit.unknowns.measured_text import parse_measured
 
     otherwise = tuple(map(parse_measured, measured))
-    with shown_progress(ERRORS) as progress, drawing_aside() as draw:
+    with shown_progress(ERRORS, "calibrate") as progress, drawing_aside() as draw:
         pictures = FitPictures(read, draw=draw)
         findings = pipeline.calibrate(
             read,

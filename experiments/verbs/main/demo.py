@@ -34,7 +34,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             f"`--out`: {logs} exists already, got a demo's folder or yours, expected none. "
             "Name another folder, or remove it."
         )
-    with shown_progress(ERRORS) as progress, drawing_aside() as draw:
+    with shown_progress(ERRORS, "demo") as progress, drawing_aside() as draw:
         truth = rig.draw_truth(seed)
         made = rig.campaign(truth, seed, progress=progress.part(0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)

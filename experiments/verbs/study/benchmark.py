@@ -59,7 +59,7 @@ def benchmark(
     chosen = [(name, measure) for name, measure in ROWS if not only or name in only]
     on = report.machine()
     lines = []
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "benchmark") as progress:
         for done, (name, measure) in enumerate(chosen):
             progress(name, done / len(chosen))
             for line in measure(settings):

@@ -32,7 +32,7 @@ def reproduce(
     from experiments.paper.catalogue import chosen
 
     sections = chosen(names)
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "reproduce") as progress:
         computing = progress.part(0.0, 0.98)
         if png:
             parts = report.reproduce(sections, computing, keep=report.png_files(out))

@@ -2,7 +2,7 @@
 
 import pathlib
 
-from experiments.runtime import set_up
+from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, pasted, plan_call, say, suggest, wrote
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
@@ -40,7 +40,8 @@ def simulate(
     leg = parse_quantity(leg_time, unit="s", name="--leg-time")
     reference = simulated_run.manoeuvre(manoeuvre, leg)
     tuned = None if tuning is None else read_tuning(tuning)
-    with ERRORS.status("simulating"):
+    with shown_progress(ERRORS, "simulate") as progress:
+        progress("simulating", 0.0)
         run = simulated_run.simulate(fitted.of_setting(label), reference, tuned, pretension)
     write_whole(out / "simulation.csv", simulated_run.table(run))
     sound = fitted.fits and (tuned is None or not tuned.caution)

@@ -77,7 +77,7 @@ def sweep(
     if warning := check_room(wanted, axes, out):
         complain(f"warning: {warning}")
     with (
-        shown_progress(ERRORS) as progress,
+        shown_progress(ERRORS, f"sweep {measure}") as progress,
         chosen(cluster, certificates, cores or 1) as executor,
     ):
         dataset = run_sweep(

@@ -1,9 +1,10 @@
 """`scdpr codesign`: gains, shaper and leg together."""
 
+import dataclasses
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
+from experiments.verbs.console import ERRORS, OUT, Folder, open_call, plan_call, suggest, wrote
 from experiments.verbs.exit_status import FELL_SHORT
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
@@ -29,7 +30,8 @@ def codesign(
 
     Args:
         parameters: parameters.json of `scdpr identify` or `scdpr calibrate`.
-        out: Folder for codesign.json and codesign.html.
+        out: Folder for codesign.json, codesign.html and, in its folder export, the gains and
+            the shaper in C, for LabVIEW and for MATLAB. `scdpr plan` takes codesign.json.
         grid: Poses that legs end at, "columns x rows".
         samples: Robots that are drawn from the fit's covariance.
         settings: Nominal pretensions to design for, "200 N" "350 N" "500 N"; default:
@@ -47,7 +49,10 @@ def codesign(
     from identification.campaign.quantities import parse_quantity
     from identification.result.parameters_file import read_parameters
     from scdpr_jax.numerics.files import write_whole
+    from scdpr_jax.provenance import made_today
     from tuning.codesign import Scope, write_codesign
+    from tuning.codesign.as_tuning import tuning_of
+    from tuning.export import write_exports
     from tuning.loop.worst_margins import margin_map
     from tuning.result.tuning import CAUTION
 
@@ -65,10 +70,13 @@ def codesign(
         ),
         seed=seed,
     )
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "codesign") as progress:
         co_design = design(fitted, scope, progress=progress)
     result, report = out / "codesign.json", out / "codesign.html"
-    write_codesign(result, co_design, caution=caution)
+    made = made_today(fitted.provenance.campaign, fitted.provenance.source)
+    write_codesign(result, co_design, caution=caution, provenance=made)
+    tuned = dataclasses.replace(tuning_of(co_design, caution=caution), provenance=made)
+    exports = write_exports(out / "export", tuned)
     margins = margin_map(co_design.robots, co_design.chosen.law.controller)
     page = codesign_report.codesign_page(
         co_design, margins, name=str(parameters), caution=caution
@@ -76,6 +84,6 @@ def codesign(
     write_whole(report, page)
     status = ending(parameters, fits=fitted.fits)
     codesign_report.show(OUT, co_design, caution=caution)
-    wrote(result, report)
-    suggest(open_call(report))
+    wrote(result, report, *exports)
+    suggest(open_call(report), plan_call(result))
     return status if co_design.holds else FELL_SHORT

@@ -49,7 +49,8 @@ def plan(
     held. A manoeuvre of several legs is one plan after the other, or a file of `--legs`.
 
     Args:
-        tuning: tuning.json of `scdpr tune` or `scdpr calibrate`.
+        tuning: tuning.json of `scdpr tune` or `scdpr calibrate`, or codesign.json of
+            `scdpr codesign`.
         out: The table to write, plan.csv; a page with the same name, plan.html, shows it. With
             `--legs` a folder: a plan for each leg, and legs.csv with what is expected of it.
         begin: Where the end-effector rests, "0.3 m, 0.55 m"; the plan is made for any start
@@ -90,7 +91,10 @@ def plan(
     seconds = (
         None if leg_time is None else parse_quantity(leg_time, unit="s", name="--leg-time")
     )
-    robot = tuned.robot_at(nominal).robot
+    fitted = tuned.robot_at(nominal)
+    if nominal is not None and fitted.pretension != nominal:
+        say(f"note: {nominal:.7g} N is the tuned setting of {fitted.pretension:g} N.")
+    robot = fitted.robot
     if legs is not None:
         given = {"--from": begin, "--to": to, "--start": start, "--leg-time": leg_time}
         given["--start-run"] = start_run
@@ -128,7 +132,7 @@ def _one(
     from tuning.plan.planning import plan_leg
 
     beside = _page_beside(out)
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "plan") as progress:
         planned = plan_leg(
             robot,
             tuned.controller,
@@ -173,7 +177,7 @@ def _many(
     from tuning.plan.legs_file import read_legs
 
     wanted = read_legs(legs, robot)
-    with shown_progress(ERRORS) as progress, chosen(*shared) as executor:
+    with shown_progress(ERRORS, "plan --legs") as progress, chosen(*shared) as executor:
         written = write_legs(
             robot,
             tuned.controller,

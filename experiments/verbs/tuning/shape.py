@@ -1,6 +1,7 @@
 """`scdpr shape`: the shaper for a measured spectrum."""
 
 import pathlib
+from typing import Literal
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
@@ -19,6 +20,8 @@ def shape(
     column: tuple[str, ...] = (),
     normalised: bool | None = None,
     lowest: str = "0 Hz",
+    firmware: Literal["klipper", "marlin"] | None = None,
+    axis: Literal["x", "y"] | None = None,
 ) -> int:
     """Design the shaper for a measured spectrum, beside every shaper of the catalogue.
 
@@ -37,6 +40,9 @@ def shape(
         normalised: Whether the densities are divided by the frequency already; default:
             they are if the header has columns of shapers, such as mzv(48.4).
         lowest: Frequencies below this are left out.
+        firmware: What is to run it: the design has no more impulses than that makes; default:
+            any, and the lines for each are printed.
+        axis: The axis that the lines are for; default: as the file's name says, else x.
     """
     try_out(out / "shaper.json")
     set_up()
@@ -44,6 +50,8 @@ def shape(
     from identification.bring.acceleration import read_acceleration
     from identification.campaign.quantities import parse_quantity
     from scdpr_jax.numerics.files import write_whole
+    from scdpr_jax.provenance import hash_of, made_today
+    from tuning.shapers.firmware import IMPULSES, pasted
     from tuning.shapers.recording import spectrum_of_recording
     from tuning.shapers.shaper_file import shaper_document
     from tuning.shapers.spectrum_design import design_for_spectrum
@@ -61,6 +69,7 @@ def shape(
             f"`--impulses`: got {impulses}, expected 2 or more: one impulse is no shaper. "
             "Leave it out for as few as leave hardly more."
         )
+    impulses = impulses if firmware is None else min(impulses, IMPULSES[firmware])
     least = parse_quantity(lowest, unit="Hz", name="--lowest")
     recording = None if column else read_acceleration(spectrum)
     if recording is None:
@@ -76,7 +85,7 @@ def shape(
             normalised=bool(normalised),
             lowest=least,
         )
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "shape") as progress:
         designed = design_for_spectrum(
             file.spectrum,
             damping_ratio=damping_ratio,
@@ -87,9 +96,17 @@ def shape(
             progress=progress,
         )
     result, report = out / "shaper.json", out / "shaper.html"
-    write_whole(result, shaper_document(file, designed))
+    lines = pasted(
+        [one.fit for one in designed.compared],
+        axis=axis or ("y" if "_y" in spectrum.stem.lower() else "x"),
+        damping_ratio=damping_ratio,
+    )
+    lines = [each for each in lines if firmware in (None, each.firmware.lower())]
+    made = made_today(spectrum.name, hash_of([spectrum], spectrum.parent))
+    write_whole(result, shaper_document(file, designed, pasted=lines, provenance=made))
     write_whole(report, shaper_report.shaper_page(file, designed))
     shaper_report.show(OUT, file, designed)
+    shaper_report.show_pasted(OUT, lines)
     wrote(result, report)
     suggest(open_call(report))
     short = most is not None and designed.recommended.residual > most

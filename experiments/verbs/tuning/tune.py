@@ -1,5 +1,6 @@
 """`scdpr tune`: gains and shapers."""
 
+import dataclasses
 import pathlib
 
 from experiments.runtime import set_up, shown_progress
@@ -30,13 +31,15 @@ def tune(
     from experiments.studies.posterior import draws_of
     from identification.knocks.frequency_map import read_frequencies
     from identification.result.parameters_file import read_parameters
+    from scdpr_jax.provenance import made_today
     from tuning.gains.tune import tune as design
 
     fitted = read_parameters(parameters)
     measured = read_frequencies(frequencies)
-    with shown_progress(ERRORS) as progress:
+    with shown_progress(ERRORS, "tune") as progress:
         tuned = design(fitted, measured, draws=draws_of(fitted), force=force, progress=progress)
-    written = write_tuned(out, tuned)
+    made = made_today(fitted.provenance.campaign, fitted.provenance.source)
+    written = write_tuned(out, dataclasses.replace(tuned, provenance=made))
     status = ending(parameters, fits=fitted.fits)
     summary.show_tuning(OUT, tuned)
     wrote(*written.paths)

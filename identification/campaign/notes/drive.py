@@ -9,12 +9,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from identification.campaign.notes.note import Note, Observation, early_motion, rig_value, share
-from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE
+from identification.campaign.streams import CAMERA_FILE, DRIVE_FILE, EPOCH
 from identification.campaign.types import Campaign, Run, encoder_resolution
 
 GAP = 3.5
 """Sample periods without a sample that are a gap, of which the doctor tells: two samples are
 lost, and it's no jitter."""
+
+FEW = 4
+"""Samples below which a run is a slip: a fit takes as many for its start alone."""
 
 BEYOND = 1.02
 """Voltage over the limit from which on the doctor contradicts."""
@@ -33,6 +36,35 @@ def _sampling(run: Run, campaign: Campaign) -> Iterator[Note]:
             f"t = {run.drive.time[worst]:.4g} s",
             cause="A gap holds the last command, which may not be what the drive was sent.",
             remedy="Log from the controller's own loop, at its own rate.",
+        )
+
+
+def _length(run: Run, campaign: Campaign) -> Iterator[Note]:
+    samples = len(run.drive.time)
+    if samples < FEW:
+        yield Note(
+            what=f"a run of {samples} samples, {run.drive.time[-1] - run.drive.time[0]:.3g} s",
+            cause="So short a run tells nothing, and what else is said of it is by chance.",
+            remedy="Log it again, or leave the run out; a cut file is exported anew.",
+        )
+
+
+def _clock(run: Run, campaign: Campaign) -> Iterator[Note]:
+    if run.drive.time[0] >= EPOCH:
+        yield Note(
+            what="time stamps that count from 1970",
+            cause="Knocks and cameras have to be on the same clock, and rarely are.",
+            remedy="Take the first time off every time in the run's files.",
+        )
+
+
+def _start(run: Run, campaign: Campaign) -> Iterator[Note]:
+    cable = run.kind not in ("motor_step",)
+    if cable and run.camera is None and run.initial is None:
+        yield Note(
+            what="where the robot starts is unknown: neither camera.csv nor `[initial]`",
+            cause="A fit begins every run at its start, and leaves out what has none.",
+            remedy="Add `[initial]` with x_e and y_e to run.toml, measured with a ruler.",
         )
 
 
@@ -132,6 +164,8 @@ def _no_camera(run: Run, campaign: Campaign) -> Iterator[Note]:
 
 
 DRIVE_OBSERVATIONS: tuple[tuple[str, Observation], ...] = (
+    (DRIVE_FILE, _length),
+    (DRIVE_FILE, _clock),
     (DRIVE_FILE, _sampling),
     (DRIVE_FILE, _voltage_limit),
     (DRIVE_FILE, _encoder),
@@ -139,5 +173,6 @@ DRIVE_OBSERVATIONS: tuple[tuple[str, Observation], ...] = (
     (DRIVE_FILE, _no_rest),
     (DRIVE_FILE, _early_motion),
     ("", _no_camera),
+    ("", _start),
 )
 """What is looked at in every run, in the order of the notes, with the file that it is about."""

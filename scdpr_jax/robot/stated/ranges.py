@@ -26,6 +26,10 @@ RANGES: dict[str, tuple[float, float]] = {
 }
 """Least and most of a quantity of each unit; one that may be zero has zero for the least."""
 
+SETTING_TOLERANCE = 0.01
+"""Share of a nominal pretension by which a reading of it may be off and is the same setting:
+loops are tensioned to a per cent, and settings lie further apart [1]."""
+
 
 def limits(kind: Quantity) -> tuple[float, float]:
     """What a quantity can be.

@@ -131,7 +131,8 @@ def same(one, other):
     if type(one) is not type(other):
         return False
     if dataclasses.is_dataclass(one):
-        names = [field.name for field in dataclasses.fields(one)]
+        # A copy's files aren't those that it was read from.
+        names = [field.name for field in dataclasses.fields(one) if field.name != "source"]
         return all(same(getattr(one, name), getattr(other, name)) for name in names)
     if isinstance(one, dict):
         return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)

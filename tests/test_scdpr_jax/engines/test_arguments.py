@@ -120,7 +120,7 @@ def test_several_robots_at_once_are_refused():
     [
         ((0.3, 0.3, -0.1), r"`height` .* within the frame \[m\]"),
         ((0.3, 0.3, 2.0), r"`height` .* within the frame \[m\]"),
-        ((0.3, np.nan, 0.5), r"`upper` must be finite \[m\]"),
+        ((0.3, np.nan, 0.5), r"`upper` must be in the frame \[m\]"),
         (
             (np.ones(3), np.ones(3), np.ones(3)),
             r"`lower` must be one number \[m\], got .*\(3,\)",

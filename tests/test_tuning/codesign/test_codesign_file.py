@@ -38,7 +38,10 @@ def test_the_file_tells_the_worst_and_the_mean_of_the_models(tmp_path):
 @pytest.mark.parametrize(
     ("break_it", "told"),
     [
-        (lambda d: d["controller"].pop("period"), "controller.period is wrong"),
+        (
+            lambda d: d["controller"].pop("period"),
+            "controller.period is missing, got no such key",
+        ),
         (lambda d: d.update(format=2), "format is wrong"),
         (lambda d: d["controller"]["derivative_gain"].update(value=-1.0), "value is wrong"),
         (lambda d: d["controller"]["derivative_gain"].update(unit="V/rad"), "unit is wrong"),

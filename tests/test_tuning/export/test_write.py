@@ -31,6 +31,7 @@ def test_the_folder_holds_the_files_that_are_named_and_no_other(tmp_path):
         "controller.csv",
         "shapers.csv",
         "scdpr_controller.m",
+        "provenance.json",
         "onboard/README.md",
         "onboard/scdpr_leg.c",
     }

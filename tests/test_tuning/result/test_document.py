@@ -157,7 +157,7 @@ def broken(tuning, tmp_path, change):
         ),
         (
             lambda d: d["robots"][0]["parameters"]["drive_inertia"].update(value="0.01"),
-            "drive_inertia.value is wrong, got '0.01'",
+            'drive_inertia.value is wrong, got "0.01"',
         ),
         (
             lambda d: d["controller"]["derivative_gain"].update(value=float("nan")),
@@ -165,7 +165,7 @@ def broken(tuning, tmp_path, change):
         ),
         (
             lambda d: d["controller"]["proportional_gain"].update(value=-36.0),
-            "proportional_gain.value is wrong, got '-36.0'",
+            "proportional_gain.value is wrong, got -36.0",
         ),
         (lambda d: d["controller"]["period"].update(value=0.0), "period.value is wrong"),
         (lambda d: d["shapers"][0].update(times=[0.0, 1e9]), "times.1 is wrong"),

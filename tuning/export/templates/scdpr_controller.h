@@ -38,6 +38,7 @@
 $constants
 #define SCDPR_REGIONS $region_count /* shapers, one for each region */
 #define SCDPR_NO_SETTING (-1) /* of a pretension that isn't tuned */
+#define SCDPR_SETTING_TOLERANCE $tolerance /* share of a setting that a reading may be off */
 #define SCDPR_HISTORY $history /* samples that the longest shaper looks back on */
 
 /* One impulse of a shaper. */
@@ -65,13 +66,37 @@ static const scdpr_region scdpr_regions[SCDPR_REGIONS] = {
 $regions
 };
 
-/* The first region that contains a pose at a setting, or NULL. */
-static inline const scdpr_region *scdpr_region_at(double x, double y, double pretension)
+/* How far a pretension [N] is from a region's settings [N], 0 within them. */
+static inline double scdpr_off_setting(const scdpr_region *region, double pretension)
 {
+    if (pretension < region->pretension[0])
+        return region->pretension[0] - pretension;
+    return pretension > region->pretension[1] ? pretension - region->pretension[1] : 0.0;
+}
+
+/* The first region of the setting next to a pretension [N]; NULL where none is within
+ * SCDPR_SETTING_TOLERANCE of it. A reading of 349.9999 N is the setting of 350 N. */
+static inline const scdpr_region *scdpr_next_setting(double pretension)
+{
+    const scdpr_region *next = NULL;
     for (size_t i = 0; i < SCDPR_REGIONS; ++i) {
         const scdpr_region *region = &scdpr_regions[i];
+        double off = scdpr_off_setting(region, pretension);
+        if (off <= SCDPR_SETTING_TOLERANCE * region->pretension[0]
+            && (next == NULL || off < scdpr_off_setting(next, pretension)))
+            next = region;
+    }
+    return next;
+}
+
+/* The first region that contains a pose at the setting next to a pretension, or NULL. */
+static inline const scdpr_region *scdpr_region_at(double x, double y, double pretension)
+{
+    const scdpr_region *next = scdpr_next_setting(pretension);
+    for (size_t i = 0; next != NULL && i < SCDPR_REGIONS; ++i) {
+        const scdpr_region *region = &scdpr_regions[i];
         if (region->x[0] <= x && x <= region->x[1] && region->y[0] <= y && y <= region->y[1]
-            && region->pretension[0] <= pretension && pretension <= region->pretension[1])
+            && region->setting == next->setting)
             return region;
     }
     return NULL;
@@ -175,15 +200,11 @@ static inline double scdpr_weight(const scdpr_region *region, const double place
            * scdpr_stretch_weight(place[1], region->y, region->handover_y);
 }
 
-/* The first setting for a pretension [N], or SCDPR_NO_SETTING. */
+/* The setting next to a pretension [N], or SCDPR_NO_SETTING. */
 static inline int scdpr_setting_at(double pretension)
 {
-    for (size_t i = 0; i < SCDPR_REGIONS; ++i) {
-        const scdpr_region *region = &scdpr_regions[i];
-        if (region->pretension[0] <= pretension && pretension <= region->pretension[1])
-            return region->setting;
-    }
-    return SCDPR_NO_SETTING;
+    const scdpr_region *next = scdpr_next_setting(pretension);
+    return next == NULL ? SCDPR_NO_SETTING : next->setting;
 }
 
 /* All shapers of a setting at work on both coordinates. */

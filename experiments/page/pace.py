@@ -1,0 +1,211 @@
+"""How far a computation is, in time.
+
+A computation tells which share of its work is done, and its parts aren't alike: compiling tells
+nothing for seconds, and legs are told one by one. So what is told becomes a share of the time
+by how it went the last time, or, the first time, by how it usually goes; and between two
+tellings the share goes on by the clock, as far as the next one. The share that is told would be
+simpler, and stands still for seconds and leaps.
+"""
+
+import bisect
+import dataclasses
+import json
+import math
+import pathlib
+from collections.abc import Sequence
+
+from scdpr_jax.numerics.files import write_whole
+
+_BELIEF = 0.2
+"""Share of the whole that the last time counts for, beside what this one has shown [1]."""
+_NEARLY = 0.95
+"""Share of the way to the next telling that the clock alone may go [1]."""
+_POINTS = 60
+"""Points that are kept: a bar has no more parts."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Pace:
+    """How long a computation took, and when it had told what."""
+
+    total: float
+    """Its time [s]; 0 where it isn't known."""
+    points: tuple[tuple[float, float], ...]
+    """Shares that it told, and the share of the time at which it did, both rising."""
+
+    def scaled(self, total: float) -> "Pace":
+        """The same on a machine on which it takes another time.
+
+        Args:
+            total: The time [s].
+
+        Returns:
+            The pace.
+        """
+        return dataclasses.replace(self, total=total)
+
+
+EVEN = Pace(0.0, ())
+"""Of what has never been run: what it tells is taken for its time."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Standing:
+    """How far a computation is."""
+
+    share: float
+    """Share of the time that has passed [1]."""
+    left: float
+    """Time left [s]; not a number where it can't be told yet."""
+
+
+class Clock:
+    """What a computation tells, as time: the share never falls, and goes on by itself."""
+
+    def __init__(self, pace: Pace, now: float):
+        """A clock at the begin of a computation.
+
+        Args:
+            pace: How it went before.
+            now: Time [s], on any clock.
+        """
+        self._pace = pace
+        self._begin = now
+        self._told = [(0.0, 0.0)]
+        self._at = 0.0
+        self._shown = 0.0
+
+    def tell(self, share: float, now: float) -> None:
+        """Take what is told; a share below what was told before counts as that.
+
+        Args:
+            share: Share of the work that is done [1].
+            now: Time [s].
+        """
+        share = max(share, self._told[-1][0])
+        self._told.append((share, now - self._begin))
+        self._at = max(self._at, self._in_time(share))
+
+    def standing(self, now: float) -> Standing:
+        """How far it is.
+
+        Args:
+            now: Time [s].
+
+        Returns:
+            Where it stands.
+        """
+        passed, told = now - self._begin, self._told[-1][1]
+        total = self._total(told)
+        share = self._at
+        if math.isfinite(total):
+            ahead = self._next(self._at) - self._at
+            share += min((passed - told) / total, _NEARLY * ahead)
+        self._shown = min(max(self._shown, share), 1.0)
+        if not math.isfinite(total) or not self._shown:
+            return Standing(self._shown, math.nan)
+        # What takes longer than it ever did makes the whole longer.
+        return Standing(self._shown, max(total, passed / self._shown) * (1 - self._shown))
+
+    def pace(self, now: float) -> Pace:
+        """How it went.
+
+        Args:
+            now: Time of its end [s].
+
+        Returns:
+            The pace, for the next time.
+        """
+        total = max(now - self._begin, 1e-9)
+        points: list[tuple[float, float]] = []
+        for share, at in self._told[1:]:
+            # What is told at once after something else is where that part ended.
+            if not points or (share > points[-1][0] and at / total > points[-1][1]):
+                points.append((share, at / total))
+        every = max(1, -(-len(points) // _POINTS))
+        return Pace(total, tuple(points[::every]))
+
+    def _in_time(self, share: float) -> float:
+        """A share of the work as a share of the time."""
+        shares, times = self._curve()
+        above = min(max(bisect.bisect_right(shares, share), 1), len(shares) - 1)
+        low, high = shares[above - 1], shares[above]
+        part = (share - low) / (high - low)
+        return times[above - 1] + part * (times[above] - times[above - 1])
+
+    def _next(self, at: float) -> float:
+        """Share of the time at which something is told next."""
+        return next((time for time in self._curve()[1] if time > at), 1.0)
+
+    def _curve(self) -> tuple[Sequence[float], Sequence[float]]:
+        inner = [point for point in self._pace.points if 0 < point[0] < 1 and 0 < point[1] < 1]
+        shares, times = zip((0.0, 0.0), *inner, (1.0, 1.0), strict=True)
+        return shares, times
+
+    def _total(self, told: float) -> float:
+        """Time of the whole [s], by the last time and by what was told so far."""
+        belief = _BELIEF if self._pace.total else 0.0
+        known = self._at + belief
+        return (told + belief * self._pace.total) / known if known else math.nan
+
+
+def expected(name: str, kept: pathlib.Path | None) -> Pace:
+    """How a computation will go: as the last time, or as it usually goes.
+
+    The first time on a machine compiles, and the second doesn't: the first is no measure for
+    the second but for the machine's speed.
+
+    Args:
+        name: Its name.
+        kept: Where paces are kept; None where nowhere.
+
+    Returns:
+        The pace.
+    """
+    last = _kept(kept).get(name)
+    first, again = USUAL.get(name, (EVEN, EVEN))
+    if last is None:
+        return first
+    if not last.points:
+        return again.scaled(again.total * last.total / first.total) if first.total else EVEN
+    return last
+
+
+def keep(name: str, pace: Pace, kept: pathlib.Path | None) -> None:
+    """Keep how a computation went, for the next time.
+
+    Args:
+        name: Its name.
+        pace: How it went; of the first time on a machine its time alone is kept.
+        kept: Where paces are kept; None where nowhere.
+    """
+    if kept is None:
+        return
+    every = _kept(kept)
+    first = name in USUAL and name not in every
+    every[name] = dataclasses.replace(pace, points=()) if first else pace
+    document = {known: dataclasses.asdict(own) for known, own in every.items()}
+    try:
+        write_whole(kept, json.dumps(document))
+    except OSError:
+        return  # A bar that knows less the next time is no reason to fail.
+
+
+def _kept(file: pathlib.Path | None) -> dict[str, Pace]:
+    """What is kept; nothing where it can't be read, or isn't what was written."""
+    if file is None or not file.exists():
+        return {}
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+        return {
+            name: Pace(
+                float(own["total"]), tuple((float(a), float(b)) for a, b in own["points"])
+            )
+            for name, own in document.items()
+        }
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return {}
+
+
+USUAL: dict[str, tuple[Pace, Pace]] = {}
+"""How a verb goes the first time on a machine, which compiles, and again, by its name."""
