@@ -134,7 +134,7 @@ def look(page):
 
 
 @pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("width", [360, 1200])
+@pytest.mark.parametrize("width", [360, 800, 1200])
 def test_nothing_of_a_report_is_cut_unnamed_or_faint(page, report, width, dark):
     page.show(report, width=width, dark=dark)
     assert look(page) == []
