@@ -164,7 +164,7 @@ def _one(
     summary.show_influence(OUT, calibration)
     for note in read.accepted:
         say(f"note: {note}")
-    wrote(written)
+    wrote(out / "parameters.json")
     if not fitted.fits:
         suggest(f"scdpr check {pasted(campaign)}")
         return FELL_SHORT
