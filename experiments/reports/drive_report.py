@@ -157,7 +157,7 @@ def axis_sentences(estimate: DriveAxisEstimate) -> list[str]:
     )
     sentences.append(
         f"{ahead}{estimate.agreeing_starts} of {estimate.starts} starts of the search agree; "
-        f"the residuals hang together for {plain(float(estimate.memory))} s, which the "
+        f"the residuals are correlated over {plain(float(estimate.memory))} s, which the "
         "intervals take into account, as they do what horizons and halves disagree by."
     )
     if not estimate.converged:

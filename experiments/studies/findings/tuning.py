@@ -233,9 +233,9 @@ def between_the_cells_sentence(maps: Sequence[ResidualMap]) -> str:
     further = max(maps, key=lambda each: each.beyond.value)
     more = 100 * further.beyond.value
     compared = (
-        "nowhere more than its cell promises"
+        "nowhere more than stated for the region"
         if more < _NO_MORE
-        else f"up to {plain(more, 3)} percentage points more than its cell promises "
+        else f"up to {plain(more, 3)} % of it more than stated for the region "
         f"{_pose(further.beyond, further)}"
     )
     return (
