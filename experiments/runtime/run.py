@@ -117,11 +117,13 @@ def _missing(
     """Units that the store hasn't, and what it has in their place."""
     missing, distrusted = [], []
     for number in range(job.count):
+        if not store.has(number):  # Nothing to hold its inputs against.
+            missing.append(number)
+            continue
         try:
-            if store.read(number, job.payload(number)) is None:
-                missing.append(number)
+            store.read(number, job.payload(number))
         except ValueError as error:
-            distrusted.append(Distrusted(f"{number:08d}.unit", str(error)))
+            distrusted.append(Distrusted(store.name(number), str(error)))
             store.drop(number)
             missing.append(number)
         if number % 64 == 0:

@@ -51,10 +51,11 @@ def _width(is_terminal: bool) -> int | None:
     return None if os.environ.get("COLUMNS") or is_terminal else _UNBOUNDED
 
 
-OUT = Console(highlight=False, width=_width(sys.stdout.isatty()))
+# Without a height, a console whose terminal is a dumb one has 80 columns, whatever it is told.
+OUT = Console(highlight=False, width=_width(sys.stdout.isatty()), height=25)
 """As wide as the terminal. A file or a pipe has no width: there a sentence is one line."""
 
-ERRORS = Console(stderr=True, highlight=False, width=_width(sys.stderr.isatty()))
+ERRORS = Console(stderr=True, highlight=False, width=_width(sys.stderr.isatty()), height=25)
 """Progress and complaints."""
 
 for _console in (OUT, ERRORS):

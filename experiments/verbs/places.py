@@ -40,7 +40,8 @@ def try_out(*files: pathlib.Path, name: str = "--out") -> None:
     for file in files:
         if file.is_dir():
             raise ValueError(
-                f"`{name}`: {file} is a folder, expected a file or a name for one. Name one."
+                f"`{name}`: got {file}, a folder, expected a file. Name one in it, such as "
+                f"{file / 'result'}."
             )
         made = _missing(file.parent)
         try:

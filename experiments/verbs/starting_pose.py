@@ -47,14 +47,12 @@ def beginning(
         )
     if begin is not None:
         return Begin(parse_position(begin, name="--from", robot=robot), None)
+    from scdpr_jax.legs.starts import steepest_held_slope
     from tuning.plan.planning import UNSTEADY, resting_start
 
     pose = _stated(start) if start is not None else _last_frames(run)
     place, slope = resting_start(robot, pose)
-    steepest = max(
-        float(own.friction.coefficient + own.friction.static_surplus)
-        for own in (robot.lower_carriage, robot.upper_carriage)
-    )
+    steepest = steepest_held_slope(robot)
     if abs(slope) > 2 * steepest + UNSTEADY:
         raise ValueError(
             f"{'`--start`' if start is not None else run}: the carriages' line has a slope of "

@@ -91,7 +91,7 @@ def parse_quantity(text: str, *, unit: str, name: str = "quantity") -> float:
     value = _scaled(number, factor)
     if not math.isfinite(value):
         raise _fault("not finite", text, unit, name)
-    if value and not 1 / LARGEST <= abs(value) <= LARGEST:
+    if abs(value) > LARGEST:
         raise _fault("a number that nothing of a rig has", text, unit, name)
     return value
 

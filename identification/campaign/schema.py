@@ -18,7 +18,7 @@ from pydantic import (
 )
 
 from identification.campaign.faults import Fault, listed
-from identification.campaign.quantities import QuantityError, parse_quantity
+from identification.campaign.quantities import LARGEST, QuantityError, parse_quantity
 from identification.campaign.tables.document import read_document, row_of
 from identification.campaign.types import KINDS
 from scdpr_jax.numerics.files.harmless import represented
@@ -36,7 +36,7 @@ def _reader(
         if not isinstance(value, str):
             raise _misfit("not a text with a unit", value, unit, _example_number(value))
         number = parse_quantity(value, unit=unit)
-        if not number > above:
+        if above == 0 and not number >= 1 / LARGEST:
             raise _misfit("not positive", value, unit, f"{abs(number) or 1:g}")
         if not number >= least:
             raise _misfit("negative", value, unit, f"{abs(number):g}")
@@ -149,7 +149,7 @@ class CampaignDocument(_Table):
     name: str = Field("", examples=["rig A, 2026-11"])
     counts_per_rev: float | None = Field(
         None,
-        gt=1e-6,
+        gt=1e-12,
         lt=1e15,
         allow_inf_nan=False,
         examples=["26624 (a number without quotation marks)"],

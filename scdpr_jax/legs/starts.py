@@ -52,6 +52,21 @@ def held_slope(robot: Robot) -> Float[Array, "..."]:
     return jnp.minimum(lower.coefficient, upper.coefficient)
 
 
+def steepest_held_slope(robot: Robot) -> float:
+    """Steepest slope of that line that static friction of either carriage holds.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        The greater of both carriages' static coefficients [1].
+    """
+    carriages = (robot.lower_carriage, robot.upper_carriage)
+    return max(
+        float(own.friction.coefficient + own.friction.static_surplus) for own in carriages
+    )
+
+
 def even_shares(count: int) -> Float[np.ndarray, " count"]:
     """Numbers spread evenly over an interval, in an order that hangs on nothing else.
 

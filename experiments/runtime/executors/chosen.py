@@ -3,6 +3,7 @@
 import contextlib
 import logging
 import pathlib
+import warnings
 from collections.abc import Iterator
 
 from experiments.runtime.executors.executor import Executor
@@ -81,6 +82,7 @@ def chosen(
     if cluster is None:
         yield Processes(cores) if cores > 1 else ThisProcess()
         return
+    import dask
     from distributed import Client, LocalCluster
     from distributed.security import Security
 
@@ -90,13 +92,15 @@ def chosen(
     with contextlib.ExitStack() as stack:
         stack.enter_context(_quiet())
         if number:
+            # Its workers would look a hundred times a second at what they are doing.
+            stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))
             # With certificates of its own: other users of this machine are kept out.
             security = Security.temporary()
             local = stack.enter_context(
                 LocalCluster(
                     n_workers=number,
                     threads_per_worker=1,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",
                     security=security,
                 )
             )
@@ -119,7 +123,10 @@ def _quiet() -> Iterator[None]:
     for logger in loggers:
         logger.setLevel(logging.CRITICAL + 1)
     try:
-        yield
+        with warnings.catch_warnings():
+            # A campaign of 10 MB is large to it.
+            warnings.filterwarnings("ignore", "Sending large graph", UserWarning)
+            yield
     finally:
         for logger, level in zip(loggers, levels, strict=True):
             logger.setLevel(level)

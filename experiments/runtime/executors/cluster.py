@@ -26,7 +26,7 @@ PATIENCE = 120.0
 """How long a cluster may be away, or without a worker [s]: a service is begun anew by then."""
 AHEAD = 2
 """Units that wait for each thread, so that none waits for the client."""
-WORKERS_OWN = ("processor", "OPENBLAS_NUM_THREADS")
+WORKERS_OWN = ("system", "processor", "OPENBLAS_NUM_THREADS")
 """What workers have of their own: the client computes nothing."""
 _LOOK = 2.0
 """How often it is looked how many workers there are [s]."""

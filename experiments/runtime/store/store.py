@@ -64,6 +64,28 @@ class Store:
         record = sealed(self.job.identity(number, payload), content)
         write_bytes_whole(self._file(number), record)
 
+    def name(self, number: int) -> str:
+        """Name of a unit's file.
+
+        Args:
+            number: The unit's number.
+
+        Returns:
+            The name.
+        """
+        return f"{number:08d}.unit"
+
+    def has(self, number: int) -> bool:
+        """Whether anything is kept of a unit.
+
+        Args:
+            number: The unit's number.
+
+        Returns:
+            Whether there is.
+        """
+        return self._file(number).exists()
+
     def read(self, number: int, payload: bytes) -> bytes | None:
         """A unit's result.
 
@@ -138,10 +160,10 @@ class Store:
         unit = _UNIT.fullmatch(name)
         if unit is None or (number := int(unit[1])) >= self.job.count:
             return False
-        return name == self._file(number).name
+        return name == self.name(number)
 
     def _file(self, number: int) -> pathlib.Path:
-        return self.folder / f"{number:08d}.unit"
+        return self.folder / self.name(number)
 
 
 def _digest(path: pathlib.Path) -> str:

@@ -10,10 +10,10 @@ from experiments.runtime.parcel import Parcel
 from experiments.runtime.run import Completion, result, run
 from experiments.runtime.store.store import Distrusted, Store, claimed
 from experiments.studies.campaigns.files import packed_files
+from experiments.studies.campaigns.identified import Question
 from experiments.studies.campaigns.places import TABLES, Place
 from experiments.studies.campaigns.table import Row, rows, write_csv, write_netcdf
 from experiments.studies.campaigns.unit import Answer, answer_of
-from experiments.studies.identified import Question
 from scdpr_jax.numerics.files import settle, write_whole
 from scdpr_jax.numerics.progress import SILENT, Progress
 

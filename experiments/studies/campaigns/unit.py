@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from experiments.runtime.parcel import Parcel, packed, unpacked
 from experiments.studies.campaigns.files import unpack_files
-from experiments.studies.identified import Question, identified
+from experiments.studies.campaigns.identified import Question, identified
 from identification.campaign import read_campaign
 from identification.doctor.accepted import admission
 from identification.result.parameters_file import parameters_text

@@ -34,14 +34,14 @@ class Excess:
 
 @dataclasses.dataclass(frozen=True)
 class Whiteness:
-    """How many channels leave white residuals that know nothing of the voltages."""
+    """How many channels leave white residuals, uncorrelated with the voltages."""
 
     tested: int
     """Channels that are long enough to test."""
     following: int
     """Those whose residuals follow the voltages."""
     hanging: int
-    """Others whose residuals are correlated in time."""
+    """Others whose residuals are correlated over time."""
 
     @property
     def white(self) -> int:
@@ -140,7 +140,7 @@ def whiteness_sentence(counted: Whiteness) -> str:
     """
     return (
         f"Of {counted.tested} channels that are long enough to test, "
-        f"{counted.white} leave white residuals that are independent of the "
-        f"voltages, or the rounding of an encoder; {counted.following} depend on the voltages, "
-        f"and {counted.hanging} more are correlated in time."
+        f"{counted.white} leave white residuals, uncorrelated with the voltages, or an "
+        f"encoder's rounding; {counted.following} are correlated with the voltages, and "
+        f"{counted.hanging} more with themselves over time."
     )

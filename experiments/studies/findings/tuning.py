@@ -233,10 +233,10 @@ def between_the_cells_sentence(maps: Sequence[ResidualMap]) -> str:
     further = max(maps, key=lambda each: each.beyond.value)
     more = 100 * further.beyond.value
     compared = (
-        "nowhere more than at the point that the shaper is made for"
+        "nowhere more than stated for the region"
         if more < _NO_MORE
-        else f"up to {plain(more, 3)} % of it more than at the point that the shaper is made "
-        f"for {_pose(further.beyond, further)}"
+        else f"up to {plain(more, 3)} % of it more than stated for the region "
+        f"{_pose(further.beyond, further)}"
     )
     return (
         "Wherever a leg ends, the shapers, blended between the regions, leave at most "

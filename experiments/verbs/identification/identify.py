@@ -20,8 +20,8 @@ from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from experiments.verbs.places import require_outside, try_out
 
 if TYPE_CHECKING:
+    from experiments.studies.campaigns.identified import Question
     from experiments.studies.campaigns.places import Place
-    from experiments.studies.identified import Question
 
 Asked = dict[str, Any]
 """The options that say what is asked of a campaign, by name."""
@@ -143,8 +143,8 @@ def _one(
         return BAD_INPUT
     set_up()
     from experiments.reports import summary
+    from experiments.studies.campaigns.identified import identified
     from experiments.studies.findings.findings import findings
-    from experiments.studies.identified import identified
     from identification.result.parameters_file import write_parameters
     from scdpr_jax.provenance import made_today
 
@@ -193,7 +193,7 @@ def _many(
     question = _question(asked)
     cluster, certificates, cores = shared
     with (
-        shown_progress(ERRORS) as progress,
+        shown_progress(ERRORS, "identify many") as progress,
         chosen(cluster, certificates, min(cores, len(campaigns))) as executor,
     ):
         batch = identify_campaigns(
@@ -220,7 +220,7 @@ def _many(
 
 def _question(asked: Asked) -> "Question":
     """What is asked of a campaign, if it can be."""
-    from experiments.studies.identified import Question
+    from experiments.studies.campaigns.identified import Question
     from identification.checks.posterior import require_numpyro
 
     question = Question(**asked)

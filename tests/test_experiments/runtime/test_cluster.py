@@ -58,7 +58,7 @@ def threads(monkeypatch):
         module, _, name = f"experiments.runtime.{cached}".rpartition(".")
         getattr(sys.modules[module], name).cache_clear()
     with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
+        n_workers=2, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0"
     ) as local:
         executor = cluster_module.Cluster(
             lambda: distributed.Client(local, set_as_default=False), "here"
@@ -80,7 +80,7 @@ def test_a_worker_of_another_installation_is_refused_by_name(threads, monkeypatc
 
 
 def test_workers_that_share_out_sums_are_refused(threads, monkeypatch):
-    shared = lambda: {"processor": "one", "OPENBLAS_NUM_THREADS": "2"}  # noqa: E731
+    shared = lambda: {"system": "", "processor": "one", "OPENBLAS_NUM_THREADS": "2"}  # noqa: E731
     monkeypatch.setattr("experiments.runtime.executors.worker.installation", shared)
     monkeypatch.setattr(cluster_module, "installation", shared)
     with pytest.raises(ValueError, match="share out sums"):

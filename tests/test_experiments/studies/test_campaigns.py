@@ -12,11 +12,11 @@ from experiments.runtime.executors.here import ThisProcess
 from experiments.runtime.executors.processes import Processes
 from experiments.runtime.parcel import unpacked
 from experiments.studies.campaigns.files import packed_files, unpack_files
+from experiments.studies.campaigns.identified import Question, identified
 from experiments.studies.campaigns.places import is_one, places
 from experiments.studies.campaigns.run import identify_campaigns
 from experiments.studies.campaigns.table import MEANINGS, rows, write_csv
 from experiments.studies.campaigns.unit import Answer
-from experiments.studies.identified import Question, identified
 from experiments.virtual_rig.recovery import campaign, draw
 from experiments.virtual_rig.simulated import COUNTS_PER_REV
 from identification.campaign import (

@@ -329,7 +329,7 @@ def test_memory_stays_flat_to_a_million_points(tmp_path):
         return int(done.stdout)  # [KiB]
 
     # A million results are 72 MB in single precision, and not held.
-    assert peak(1000) - peak(100) < 20_000
+    assert peak(1000) < 1.1 * peak(100)
 
 
 def test_a_sweep_that_was_stopped_after_all_was_done_is_done(tmp_path, monkeypatch):

@@ -95,8 +95,8 @@ def test_a_bare_number_is_handed_back_with_its_unit():
         parse_quantity("350", unit="N")
 
 
-# What is smaller or larger is nothing of a rig, and refused.
-finite = st.one_of(st.just(0.0), *(st.floats(*sorted((s * 1e-30, s * 1e30))) for s in (-1, 1)))
+# What is larger is nothing of a rig, and refused.
+finite = st.floats(-1e30, 1e30)
 
 
 @hypothesis.given(value=finite, unit=st.sampled_from(["1", "N", "kg m^2", "N m s", "rad"]))
@@ -104,7 +104,7 @@ def test_a_written_quantity_is_read_back_exactly(value, unit):
     assert parse_quantity(format_quantity(value, unit), unit=unit) == value
 
 
-@pytest.mark.parametrize("text", ["1e31 N", "-1e300 N", "1e-31 N", "1e8 YN", "1e-300 kN"])
+@pytest.mark.parametrize("text", ["1e31 N", "-1e300 N", "1e8 YN"])
 def test_a_number_that_nothing_of_a_rig_has_is_refused(text):
     with pytest.raises(ValueError, match="nothing of a rig has"):
         parse_quantity(text, unit="N")

@@ -157,7 +157,7 @@ def broken(tuning, tmp_path, change):
         ),
         (
             lambda d: d["robots"][0]["parameters"]["drive_inertia"].update(value="0.01"),
-            'drive_inertia.value is wrong, got "0.01"',
+            "drive_inertia.value is wrong, got '0.01'",
         ),
         (
             lambda d: d["controller"]["derivative_gain"].update(value=float("nan")),

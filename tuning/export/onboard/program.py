@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from scdpr_jax.command.controller import PD
+from scdpr_jax.legs.starts import steepest_held_slope
 from scdpr_jax.robot.parameters import Robot
 from tuning.export.description import decimal
 from tuning.export.onboard.kernels import kernels_text
@@ -85,17 +86,13 @@ class OnBoard:
         about = stages.models(robot, controller, told=False)
         others, told = (scenarios(robot, VARIATIONS, told=own) for own in (False, True))
         body, frame = robot.end_effector, robot.frame
-        carriages = (robot.lower_carriage, robot.upper_carriage)
-        held = max(
-            float(own.friction.coefficient + own.friction.static_surplus) for own in carriages
-        )
         single = {
             "RADIUS": robot.drive.effective_radius,
             "FRAME_HEIGHT": frame.height,
             "FRAME_WIDTH": frame.width,
             "LOWEST": body.lower_offset,
             "HIGHEST": float(frame.height) - float(body.upper_offset),
-            "STEEPEST": 2 * held + planning.UNSTEADY,
+            "STEEPEST": 2 * steepest_held_slope(robot) + planning.UNSTEADY,
         }
         for name, number in single.items():
             yield f"static const double {name} = {_number(number)};"

@@ -136,8 +136,7 @@ def _cells(figure: Figure, axes: Sequence[Axes]) -> Iterator[tuple[Axes, Bbox]]:
 
 def _extent(figure: Figure, part: Artist) -> Bbox:
     """A part's box [inch]."""
-    # The figure's own renderer: one that came from another process has a bare canvas.
-    box = part.get_tightbbox()
+    box = part.get_tightbbox(figure.canvas.get_renderer())
     return Bbox(box.get_points() / figure.dpi)
 
 
