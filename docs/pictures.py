@@ -36,7 +36,7 @@ from experiments.runtime import set_up
 from experiments.studies.findings.findings import Findings
 from experiments.studies.findings.parameters import estimated
 from experiments.studies.findings.responses import open_loop
-from experiments.studies.in_space import in_space
+from experiments.studies.legs.in_space import in_space
 from experiments.studies.legs.planned_leg import compare
 from experiments.studies.pipeline import calibrate
 from experiments.virtual_rig import rig
