@@ -1,6 +1,7 @@
 """A sweep's map: every variable over its last two axes, or over its only one."""
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
@@ -41,7 +42,7 @@ def sweep_map(dataset: xr.Dataset, *, axes: int) -> Figure:
     return figure
 
 
-def _panels(dataset: xr.Dataset, axes: int):
+def _panels(dataset: xr.Dataset, axes: int) -> Iterator[tuple[str, xr.DataArray]]:
     """Titles with two-dimensional or one-dimensional values; those without a number go."""
     for variable in dataset.data_vars.values():
         swept, own = variable.dims[:axes], variable.dims[axes:]

@@ -13,8 +13,8 @@ import jinja2
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from experiments.page.drawing import Draw, Drawn, draw
 from experiments.page.number_text import split_at_point
+from experiments.page.pictures.drawing import Draw, Drawn, draw
 from experiments.page.theme import declarations
 from scdpr_jax.numerics.files.harmless import printable
 

@@ -12,7 +12,7 @@ from experiments.page.page import Pictures, page, versions
 from experiments.page.table import Table
 from experiments.studies.findings.responses import NamedShaper
 from scdpr_jax.command.shaper import Shaper
-from tuning.shapers.firmware import Pasted
+from tuning.export.firmware import Pasted
 from tuning.shapers.measures import smoothing
 from tuning.shapers.shaper_file import ACCELERATION
 from tuning.shapers.spectrum import THRESHOLD

@@ -23,7 +23,7 @@ from experiments.studies.findings.tuning import (
     region_name,
     worst_margins_sentence,
 )
-from experiments.studies.in_space import in_space
+from experiments.studies.legs.in_space import in_space
 from scdpr_jax.legs.leg import Leg
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot

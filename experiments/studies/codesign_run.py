@@ -4,7 +4,7 @@ import re
 
 from experiments.studies.posterior import at_settings, draw
 from identification.result.fitted_robot import FittedRobot
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from tuning.codesign import CoDesign, Scope, recommend
 from tuning.result.tuning import FittedSetting
 
@@ -37,14 +37,15 @@ def design(
     fitted: FittedRobot,
     scope: Scope,
     *,
-    progress: Progress = SILENT,
+    progress: Progress | bool = SILENT,
 ) -> CoDesign:
     """A co-design of a fitted robot.
 
     Args:
         fitted: The robot.
         scope: What it is to be for.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The co-design.
@@ -52,6 +53,7 @@ def design(
     Raises:
         ValueError: If no robot is to be drawn, or the move times are too short.
     """
+    progress = listening(progress)
     if scope.samples < 1:
         raise ValueError(
             f"`--samples`: got {scope.samples}, expected one robot or more [1]. 16 show what "

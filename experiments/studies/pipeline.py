@@ -15,7 +15,7 @@ from identification.fit.unknowns.options import DEFAULT_FREE, FitOptions
 from identification.knocks.frequency_map import FrequencyMap, frequency_map
 from identification.result.estimate import Estimate
 from identification.result.estimation import estimate
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.prototype import consistent
 from tuning.gains.manoeuvre import LEG_TIMES
 from tuning.gains.optimise import Effort
@@ -57,7 +57,7 @@ def calibrate(
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     force: bool = False,
     fitted: Callable[[Estimate], None] = lambda estimate: None,
-    progress: Progress = SILENT,
+    progress: Progress | bool = SILENT,
 ) -> Findings:
     """Parameters, frequencies, gains and shapers of a campaign.
 
@@ -73,7 +73,8 @@ def calibrate(
         effort: How much is spent on the tuning.
         force: Whether to tune even if the fit has failed.
         fitted: Told the estimate as soon as there is one, while gains are sought.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         What the calibration comes to.
@@ -82,6 +83,7 @@ def calibrate(
         ValueError: If the campaign doesn't allow a fit.
         FloatingPointError: If a run's simulation isn't finite.
     """
+    progress = listening(progress)
     names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
     with _aside() as aside:
         # What tuning compiles doesn't depend on the fit: it comes along on another core.

@@ -4,7 +4,6 @@ import dataclasses
 from pathlib import Path
 
 from identification.campaign.faults import CampaignError, Fault
-from identification.campaign.inside import foreign, linked
 from identification.campaign.quantities import format_quantity
 from identification.campaign.schema import CampaignDocument, RunDocument, read_model
 from identification.campaign.streams import (
@@ -17,6 +16,7 @@ from identification.campaign.streams import (
     read_drive,
 )
 from identification.campaign.tables.document import row_of
+from identification.campaign.tables.inside import foreign, linked
 from identification.campaign.tables.text_file import read_text
 from identification.campaign.types import (
     Campaign,

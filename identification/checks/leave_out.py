@@ -8,22 +8,24 @@ from identification.campaign.types import Campaign
 from identification.judge.influence import decoded, standard_errors
 from identification.result.estimate import Estimate
 from identification.result.estimation import solved
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 
 
 def without_each_run(
-    campaign: Campaign, estimate: Estimate, *, progress: Progress = SILENT
+    campaign: Campaign, estimate: Estimate, *, progress: Progress | bool = SILENT
 ) -> Estimate:
     """The estimate with its runs left out by fits instead of by a Gauss-Newton step each.
 
     Args:
         campaign: The campaign that the estimate is of.
         estimate: The estimate.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The estimate, `influence` with what the fits gave; its bootstrap as it was.
     """
+    progress = listening(progress)
     parameters, influence = estimate.fitted.estimated, estimate.influence
     problem, point = solved(campaign, estimate)
     names = [p.name for p in parameters]

@@ -32,7 +32,7 @@ from identification.judge.likelihood import Posterior
 from identification.result.estimate import Estimate
 from identification.result.estimation import solved
 from scdpr_jax.numerics.merit import Normal
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 
 APART = 1.01
 """Largest potential scale reduction that is taken for convergence [1]."""
@@ -119,7 +119,7 @@ def posterior(
     warm_up: int = 100,
     draws: int = 50,
     seed: int = 0,
-    progress: Progress = SILENT,
+    progress: Progress | bool = SILENT,
 ) -> Posterior:
     """Draws from what the logs leave possible, beginning at the fit.
 
@@ -134,7 +134,8 @@ def posterior(
         draws: Draws of every chain in a round; rounds are added until the chains agree and
             are worth `ENOUGH` independent draws.
         seed: Of the random numbers.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The draws.
@@ -143,6 +144,7 @@ def posterior(
         ValueError: If numpyro isn't installed.
         FloatingPointError: If the chains don't agree in the end.
     """
+    progress = listening(progress)
     require_numpyro()
     from numpyro.diagnostics import effective_sample_size, split_gelman_rubin
     from numpyro.infer import MCMC, NUTS

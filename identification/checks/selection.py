@@ -18,7 +18,7 @@ from identification.result.estimate import Estimate
 from identification.result.estimation import estimate, require_float64, solve, vector
 from scdpr_jax.numerics.levenberg_marquardt import Minimum, free_unknowns
 from scdpr_jax.numerics.merit import Normal
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.state import pose
 
 ITERATIONS = 30
@@ -30,7 +30,7 @@ def select(
     options: FitOptions | None = None,
     *,
     refinements: Sequence[Refinement] = REFINEMENTS,
-    progress: Progress = SILENT,
+    progress: Progress | bool = SILENT,
 ) -> Estimate:
     r"""The usual estimate or, where it leaves more than noise, that of a model with more in it.
 
@@ -48,7 +48,8 @@ def select(
         campaign: The campaign.
         options: What the fits are asked for, as in `estimate`; `free` is the usual model.
         refinements: What may be added.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The chosen model's estimate, with the models that it was chosen from.
@@ -57,6 +58,7 @@ def select(
         ValueError: If float64 is off, or if a run can't be used.
         FloatingPointError: If a run's simulation isn't finite at a solution.
     """
+    progress = listening(progress)
     require_float64()
     options = options or FitOptions()
     usual = estimate(campaign, options, progress=progress.part(0.0, 0.4))

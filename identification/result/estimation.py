@@ -30,7 +30,7 @@ from identification.result.compliance import with_compliance
 from identification.result.estimate import Estimate, Fit
 from identification.result.fitted_robot import Residual, fitted_robot
 from scdpr_jax.numerics.levenberg_marquardt import Minimum
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.quantities import value
 
 CORRECTIONS = 2
@@ -38,7 +38,7 @@ CORRECTIONS = 2
 
 
 def estimate(
-    campaign: Campaign, options: FitOptions | None = None, *, progress: Progress = SILENT
+    campaign: Campaign, options: FitOptions | None = None, *, progress: Progress | bool = SILENT
 ) -> Estimate:
     """Parameters from all runs of a campaign, by Levenberg-Marquardt on exact friction.
 
@@ -49,7 +49,8 @@ def estimate(
     Args:
         campaign: The campaign.
         options: What the fit is asked for; None for what suits most campaigns.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The estimate.
@@ -59,6 +60,7 @@ def estimate(
             something was measured at a setting that no run has.
         FloatingPointError: If a run's simulation isn't finite at the solution.
     """
+    progress = listening(progress)
     require_float64()
     problem = Problem.of(campaign, options or FitOptions())
     with concurrent.futures.ThreadPoolExecutor(1) as aside:

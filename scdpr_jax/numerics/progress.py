@@ -7,6 +7,8 @@ and wrong as soon as somebody else calls it.
 """
 
 import dataclasses
+import sys
+import time
 from collections.abc import Callable
 
 
@@ -49,3 +51,39 @@ class Progress:
 
 SILENT = Progress(lambda doing, share: None)
 """The progress that nobody listens to."""
+
+
+def listening(progress: Progress | bool) -> Progress:
+    """The progress of a computation that a notebook calls.
+
+    Args:
+        progress: The progress; True for a line in the notebook that is written over, False
+            for none.
+
+    Returns:
+        What the computation tells.
+    """
+    if isinstance(progress, Progress):
+        return progress
+    return Progress(_Line()) if progress else SILENT
+
+
+class _Line:
+    """A line on the standard error stream, which notebooks show, and terminals too."""
+
+    def __init__(self) -> None:
+        self._begun = time.monotonic()
+        self._width = 0
+        self._share = 0.0
+
+    def __call__(self, doing: str, share: float) -> None:
+        """Write it anew: the share never falls."""
+        self._share = max(self._share, share)
+        passed = time.monotonic() - self._begun
+        left = f", {passed / self._share - passed:.0f} s left" if self._share >= 0.1 else ""
+        line = f"{100 * self._share:3.0f} %  {passed:.0f} s{left}  {doing}"
+        sys.stderr.write("\r" + line.ljust(self._width))
+        sys.stderr.flush()
+        self._width = len(line)
+        if self._share >= 1:
+            sys.stderr.write("\n")

@@ -138,8 +138,9 @@ def test_what_a_killed_process_has_left_is_removed_by_the_next(tmp_path):
     left.write_text("half")
     of_another_machine = tmp_path / ".scdpr-00000000-1-abc.tmp"
     of_another_machine.write_text("half")
-    write_whole(tmp_path / "a.csv", "1")
-    assert everything(tmp_path) == [of_another_machine.name, "a.csv"]
+    with scratch.scratch_file(tmp_path / "a.csv"):
+        pass
+    assert everything(tmp_path) == [of_another_machine.name]
 
 
 WAITS = """
@@ -210,9 +211,11 @@ def test_who_is_begun_deaf_stays_deaf(tmp_path):
 @pytest.mark.skipif(sys.platform != "linux", reason="/dev/full is Linux's")
 @pytest.mark.parametrize("verb", ["--help", "--version"])
 def test_output_that_has_no_room_is_told(verb, tmp_path):
+    # A width that a test has set is nobody's terminal.
+    clean = {name: own for name, own in os.environ.items() if name != "COLUMNS"}
     with open("/dev/full", "w") as full_disk:
         ended = subprocess.run([*SCDPR, verb], stdout=full_disk, stderr=subprocess.PIPE,
-                               text=True, check=False)  # fmt: skip
+                               text=True, check=False, env=clean)  # fmt: skip
     assert ended.returncode == BAD_INPUT
     assert len(ended.stderr.splitlines()) == 1
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.parameters import Robot
 from tuning.codesign.front import front, knee, usual_move_times
 from tuning.codesign.models import Models, models
@@ -95,7 +95,7 @@ def recommend(
     *,
     drawn: Sequence[Robot],
     unseen: Sequence[Robot],
-    progress: Progress = SILENT,
+    progress: Progress | bool = SILENT,
 ) -> CoDesign:
     """A front of designs for robots as they might be, and the one to take.
 
@@ -104,7 +104,8 @@ def recommend(
         scope: What it is for.
         drawn: Robots as they might be, which the designs are made for.
         unseen: Others, which they are judged on besides, at poses in between.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The co-design.
@@ -112,6 +113,7 @@ def recommend(
     Raises:
         ValueError: If the move times are too short.
     """
+    progress = listening(progress)
     robot = robots[0].robot
     begin = _BEGIN * float(robot.frame.width)
     ends, heights = _poses(robot, scope.grid)

@@ -12,7 +12,7 @@ from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.legs.random_legs import random_legs
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot, exact
 from tuning.gains.legs import Legs, compile_runs, plain_law, runs
@@ -103,7 +103,7 @@ def tune(
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     force: bool = False,
-    progress: Progress = SILENT,
+    progress: Progress | bool = SILENT,
 ) -> Tuning:
     """Gains for the robot and a shaper for every region of its workspace.
 
@@ -120,7 +120,8 @@ def tune(
         leg_times: Times of a leg of the manoeuvre that is simulated before and after [s].
         effort: How much is spent on the optimisation.
         force: Whether to tune for a robot whose fit has failed; the tuning is marked.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The tuning; its notes say what is predicted of it, and where the model stood in for
@@ -129,6 +130,7 @@ def tune(
     Raises:
         ValueError: If a measured setting has no fitted pretension, or the fit has failed.
     """
+    progress = listening(progress)
     caution = _caution(estimate, force=force)
     knocks = _Nowhere() if frequencies is None else frequencies
     settings = _settings(estimate, knocks, draws)

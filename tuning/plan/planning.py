@@ -24,7 +24,7 @@ import numpy as np
 from jaxtyping import Float
 
 from scdpr_jax.command.controller import PD
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.numerics.side_by_side import CORES
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
@@ -53,6 +53,10 @@ UNSTEADY = 2e-3
 camera, but another quantity."""
 WITHIN = 0.93
 """Share of the voltage limit up to which its commands are [1]."""
+
+
+_PREPARED = 14
+"""Legs whose planning takes as long as the robots' models, which are made before the first."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -101,7 +105,7 @@ def plan_leg(
     *,
     leg_time: float | None = None,
     slope: float | None = None,
-    progress: Progress = SILENT,
+    progress: Progress | bool = SILENT,
 ) -> Planned:
     """The motion of one leg from rest to rest.
 
@@ -114,7 +118,8 @@ def plan_leg(
             shortest in which they can.
         slope: Slope of the line between the carriages, see `resting_start` [1]; None where it
             isn't told.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The plan, and what is expected of it.
@@ -122,13 +127,14 @@ def plan_leg(
     Raises:
         ValueError: If a number isn't finite, the time isn't positive, or the leg leads nowhere.
     """
+    progress = listening(progress)
     planner = Planner(robot, controller)
     wanted = Wanted(tuple(map(float, start)), tuple(map(float, end)), leg_time, slope)
     return planner(wanted, progress=progress)
 
 
 def plan_legs(
-    robot: Robot, controller: PD, legs: Iterable[Wanted], *, progress: Progress = SILENT
+    robot: Robot, controller: PD, legs: Iterable[Wanted], *, progress: Progress | bool = SILENT
 ) -> list[Planned]:
     """Plans of many legs, on every core.
 
@@ -136,7 +142,8 @@ def plan_legs(
         robot: The fitted robot, with exact friction.
         controller: The PD controller that it will run under.
         legs: What is asked for.
-        progress: Told which share is done.
+        progress: Told which share is done;
+            True shows it in a notebook.
 
     Returns:
         A plan for each, the same as `plan_leg` makes.
@@ -144,6 +151,7 @@ def plan_legs(
     Raises:
         ValueError: If one of them can't be planned.
     """
+    progress = listening(progress)
     legs, planner = list(legs), Planner(robot, controller)
     for leg in legs:
         _refuse(leg)
@@ -152,7 +160,8 @@ def plan_legs(
     with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
         for plan in pool.map(planner, legs):
             made.append(plan)
-            progress(f"{len(made)} of {len(legs)} legs", len(made) / len(legs))
+            share = (_PREPARED + len(made)) / (_PREPARED + len(legs))
+            progress(f"{len(made)} of {len(legs)} legs", share)
     return made
 
 

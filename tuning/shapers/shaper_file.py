@@ -1,7 +1,8 @@
 """`shaper.json`: the shaper for a spectrum beside every other that was looked at."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.provenance import UNKNOWN, Provenance
 from tuning.shapers.design import Design
-from tuning.shapers.firmware import Pasted
 from tuning.shapers.measures import smoothing
 from tuning.shapers.spectrum import THRESHOLD
 from tuning.shapers.spectrum_design import Compared, SpectrumDesign
@@ -25,7 +25,7 @@ def shaper_document(
     file: SpectrumFile,
     design: SpectrumDesign,
     *,
-    pasted: Sequence[Pasted] = (),
+    firmware: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
     provenance: Provenance = UNKNOWN,
 ) -> str:
     """A design as the text of `shaper.json`.
@@ -33,7 +33,7 @@ def shaper_document(
     Args:
         file: The spectrum as it was read.
         design: The shapers for it.
-        pasted: Lines for firmwares.
+        firmware: What a firmware is told, by its name.
         provenance: Where it comes from.
 
     Returns:
@@ -62,10 +62,7 @@ def shaper_document(
             comparison.fit.entry.name: _compared(comparison) for comparison in design.compared
         },
         "front": [_designed(each) for each in design.front],
-        "firmware": {
-            each.firmware.lower(): {"kind": each.fit.entry.name, "lines": list(each.lines)}
-            for each in pasted
-        },
+        "firmware": dict(firmware),
     }
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 

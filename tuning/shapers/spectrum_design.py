@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scdpr_jax.command.shaper import Shaper
-from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from tuning.shapers.catalogue import CATALOGUE
 from tuning.shapers.comparison import FREE, Fitted, fitted, pick
 from tuning.shapers.design import Design, fewest_impulses, least_duration, least_residual
@@ -60,7 +60,7 @@ def design_for_spectrum(
     max_duration: float | None = None,
     max_vibration: float | None = None,
     impulses: int = IMPULSES,
-    progress: Progress = SILENT,
+    progress: Progress | bool = SILENT,
 ) -> SpectrumDesign:
     """The best shapers of positive impulses for a measured spectrum.
 
@@ -77,7 +77,8 @@ def design_for_spectrum(
         max_vibration: The most that it may leave [1]; the shortest such is recommended. If
             it has to be longer than `max_duration`, what leaves least in that time is.
         impulses: The most impulses that a design may have, two at least.
-        progress: Told what is being done and which share of it is done.
+        progress: Told what is being done and which share of it is done;
+            True shows it in a notebook.
 
     Returns:
         The design.
@@ -86,6 +87,7 @@ def design_for_spectrum(
         ValueError: If no shaper leaves as little as is asked for, or there are to be fewer
             impulses than two.
     """
+    progress = listening(progress)
     if impulses < 2:
         raise ValueError(
             f"`impulses` of a shaper must be 2 or more, got {impulses}: one impulse is no "

@@ -21,7 +21,7 @@ _HALO = (patheffects.withStroke(linewidth=3, foreground="white"),)
 """So that words are read on every colour."""
 _FINEST = 1e-2
 """Error that a label's digits stand for at least [Hz]."""
-_WORDS = (0.19, 0.095)
+_WORDS = (0.19, 0.08)
 """Width and height of a label, in widths of the frame [1]."""
 
 
@@ -170,7 +170,7 @@ def _free_place(
             max(wide - abs(place[0] - x), 0.0) * max(high - abs(place[1] - y), 0.0)
             for x, y in taken
         )
-        return outside + others / size[0]
+        return outside + others / wide
 
     return min(places, key=covered)
 

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from experiments.figures.tuning.tracking import SIDES
 from experiments.page import style
-from experiments.studies.in_space import InSpace
+from experiments.studies.legs.in_space import InSpace
 
 
 @style.styled

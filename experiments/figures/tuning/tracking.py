@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from experiments.page import style
 from experiments.page.number_text import plain
-from experiments.studies.in_space import InSpace, in_space
+from experiments.studies.legs.in_space import InSpace, in_space
 from scdpr_jax.legs.leg import Leg
 
 SIDES = (("before", style.VERMILION, 1.3), ("after", style.BLUE, 1.7))

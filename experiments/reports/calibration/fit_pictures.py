@@ -11,9 +11,9 @@ from experiments.figures.identification.residuals import residuals
 from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_film import Track, robot_film
 from experiments.page.coordinates import COORDINATES
-from experiments.page.drawing import Draw, draw
 from experiments.page.number_text import percent, plain
 from experiments.page.page import Picture, Pictures
+from experiments.page.pictures.drawing import Draw, draw
 from experiments.studies.findings.parameters import estimated
 from identification.campaign.types import Campaign
 from identification.fit.comparison import Comparison

@@ -4,7 +4,7 @@ import functools
 import threading
 
 from experiments.reports.show.asked_leg import AskedLeg
-from experiments.studies.planned_leg import Compared, compare
+from experiments.studies.legs.planned_leg import Compared, compare
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.planning import Planned, Planner
 from tuning.result.tuning import Tuning

@@ -193,7 +193,7 @@ def _many(
     question = _question(asked)
     cluster, certificates, cores = shared
     with (
-        shown_progress(ERRORS, f"identify {len(campaigns)} campaigns") as progress,
+        shown_progress(ERRORS, "identify many") as progress,
         chosen(cluster, certificates, min(cores, len(campaigns))) as executor,
     ):
         batch = identify_campaigns(

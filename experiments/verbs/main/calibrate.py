@@ -63,7 +63,7 @@ def calibrate(
     if read is None:
         return BAD_INPUT
     set_up()
-    from experiments.page.drawing import drawing_aside
+    from experiments.page.pictures.drawing import drawing_aside
     from experiments.reports import summary
     from experiments.reports.report import FitPictures
     from experiments.reports.written_files import write_calibration

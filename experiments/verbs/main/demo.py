@@ -17,7 +17,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
     """
     try_out(out / "report.html")
     set_up()
-    from experiments.page.drawing import drawing_aside
+    from experiments.page.pictures.drawing import drawing_aside
     from experiments.reports import summary
     from experiments.reports.report import FitPictures
     from experiments.reports.written_files import write_calibration

@@ -1,12 +1,15 @@
 """`scdpr shape`: the shaper for a measured spectrum."""
 
 import pathlib
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from experiments.runtime import set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, Folder, open_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 from experiments.verbs.places import try_out
+
+if TYPE_CHECKING:
+    from tuning.shapers.spectrum_file import SpectrumFile
 
 
 def shape(
@@ -47,15 +50,12 @@ def shape(
     try_out(out / "shaper.json")
     set_up()
     from experiments.reports import shaper_report
-    from identification.bring.acceleration import read_acceleration
     from identification.campaign.quantities import parse_quantity
     from scdpr_jax.numerics.files import write_whole
     from scdpr_jax.provenance import hash_of, made_today
-    from tuning.shapers.firmware import IMPULSES, pasted
-    from tuning.shapers.recording import spectrum_of_recording
+    from tuning.export.firmware import IMPULSES, pasted
     from tuning.shapers.shaper_file import shaper_document
     from tuning.shapers.spectrum_design import design_for_spectrum
-    from tuning.shapers.spectrum_file import read_spectrum
 
     longest = _positive(max_duration, unit="s", name="--max-duration")
     most = _positive(max_vibration, unit="1", name="--max-vibration")
@@ -71,20 +71,7 @@ def shape(
         )
     impulses = impulses if firmware is None else min(impulses, IMPULSES[firmware])
     least = parse_quantity(lowest, unit="Hz", name="--lowest")
-    recording = None if column else read_acceleration(spectrum)
-    if recording is None:
-        file = read_spectrum(
-            spectrum, column=column or None, normalised=normalised, lowest=least
-        )
-    else:
-        file = spectrum_of_recording(
-            spectrum,
-            recording.time,
-            recording.axes,
-            told=recording.notes,
-            normalised=bool(normalised),
-            lowest=least,
-        )
+    file = _read(spectrum, column, normalised, least)
     with shown_progress(ERRORS, "shape") as progress:
         designed = design_for_spectrum(
             file.spectrum,
@@ -96,14 +83,15 @@ def shape(
             progress=progress,
         )
     result, report = out / "shaper.json", out / "shaper.html"
-    lines = pasted(
+    every = pasted(
         [one.fit for one in designed.compared],
         axis=axis or ("y" if "_y" in spectrum.stem.lower() else "x"),
         damping_ratio=damping_ratio,
     )
-    lines = [each for each in lines if firmware in (None, each.firmware.lower())]
+    lines = [each for each in every if firmware in (None, each.firmware.lower())]
+    told = {each.firmware.lower(): each.document for each in lines}
     made = made_today(spectrum.name, hash_of([spectrum], spectrum.parent))
-    write_whole(result, shaper_document(file, designed, pasted=lines, provenance=made))
+    write_whole(result, shaper_document(file, designed, firmware=told, provenance=made))
     write_whole(report, shaper_report.shaper_page(file, designed))
     shaper_report.show(OUT, file, designed)
     shaper_report.show_pasted(OUT, lines)
@@ -111,6 +99,29 @@ def shape(
     suggest(open_call(report))
     short = most is not None and designed.recommended.residual > most
     return FELL_SHORT if short else DONE
+
+
+def _read(
+    spectrum: pathlib.Path, column: tuple[str, ...], normalised: bool | None, least: float
+) -> "SpectrumFile":
+    """A spectrum, or that of a recording."""
+    from identification.bring.acceleration import read_acceleration
+    from tuning.shapers.recording import spectrum_of_recording
+    from tuning.shapers.spectrum_file import read_spectrum
+
+    recording = None if column else read_acceleration(spectrum)
+    if recording is None:
+        return read_spectrum(
+            spectrum, column=column or None, normalised=normalised, lowest=least
+        )
+    return spectrum_of_recording(
+        spectrum,
+        recording.time,
+        recording.axes,
+        told=recording.notes,
+        normalised=bool(normalised),
+        lowest=least,
+    )
 
 
 def _positive(text: str | None, *, unit: str, name: str) -> float | None:

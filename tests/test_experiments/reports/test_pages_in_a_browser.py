@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import re
+import signal
 import subprocess
 import sys
 
@@ -109,18 +110,21 @@ def report(tmp_path_factory):
 
 @contextlib.contextmanager
 def shown(folder):
-    """The address that `scdpr show` tells."""
+    """The address that `scdpr show` tells; Ctrl-C ends it with one line."""
     process = subprocess.Popen(
         [sys.executable, "-m", "experiments.cli", "show", str(folder)],
         stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         text=True,
     )
-    try:
-        yield re.search(r"http://\S+/", process.stdout.readline())[0]
-    finally:
-        process.terminate()
-        process.wait(timeout=20)
-        process.stdout.close()
+    with process:
+        try:
+            yield re.search(r"http://\S+/", process.stdout.readline())[0]
+        finally:
+            process.send_signal(signal.SIGINT)
+            told = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert len("".join(told).splitlines()) == 1
 
 
 def look(page):
@@ -130,7 +134,7 @@ def look(page):
 
 
 @pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("width", [360, 1200])
+@pytest.mark.parametrize("width", [360, 800, 1200])
 def test_nothing_of_a_report_is_cut_unnamed_or_faint(page, report, width, dark):
     page.show(report, width=width, dark=dark)
     assert look(page) == []

@@ -198,7 +198,7 @@ def test_17_gains_of_no_controller_are_refused(name, value, made, tmp_path, caps
     document["controller"][name]["value"] = value
     made[0].write_text(json.dumps(document))
     text = told(capsys, "plan", made[0], *LEG, "--out", tmp_path / "plan.csv")
-    assert f"controller.{name}.value is wrong, got {json.dumps(value)}: it should be" in text
+    assert f"controller.{name}.value is wrong, got {value!r}: it should be" in text
     assert "write it anew" in text
 
 

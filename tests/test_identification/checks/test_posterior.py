@@ -50,6 +50,7 @@ def test_the_potential_is_half_of_the_misfit_and_its_derivative_that_of_the_fit(
     np.testing.assert_allclose(slope, normal.gradient, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FREE)
 def test_where_the_misfit_is_a_parabola_the_posterior_is_the_fit(found, drawn, name):
     (fitted,) = (p for p in found.parameters if p.name == name)
@@ -68,11 +69,13 @@ def test_what_can_t_be_negative_is_reflected(logs, found):
     assert np.any(held[:, 0] < 0)
 
 
+@pytest.mark.slow
 def test_the_chains_agree(drawn):
     assert np.all(drawn.r_hat <= module.APART)
     assert np.all(drawn.effective >= module.ENOUGH)
 
 
+@pytest.mark.slow
 def test_an_interval_holds_its_share_of_the_draws(drawn):
     low, high = drawn.interval(0.9).T
     inside = (drawn.draws >= low) & (drawn.draws <= high)

@@ -53,7 +53,9 @@ def test_fifty_knocks_give_their_frequency_inside_its_interval():
     assert np.mean(inside) >= 0.95
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3))]
+)
 def test_a_knock_gives_its_frequency_whether_its_time_is_stated_or_not(seed):
     stream, frequency, knock = pushed(np.random.default_rng(seed))
     for stated in (None, (knock.start, knock.start + 0.03), (50.0, 50.03)):

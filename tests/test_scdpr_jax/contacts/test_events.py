@@ -81,9 +81,9 @@ def stepped(velocity, load):
     ("velocity", "load"),
     [
         ((1.0, 0.2), (0.1, -0.1)),
-        ((0.06, 0.02), (0.1, 0.2)),
+        pytest.param((0.06, 0.02), (0.1, 0.2), marks=pytest.mark.slow),
         ((0.06, -0.02), (-0.3, 0.4)),
-        ((0.02, 0.05), (0.0, -0.9)),
+        pytest.param((0.02, 0.05), (0.0, -0.9), marks=pytest.mark.slow),
         ((0.0, -0.05), (0.3, 1.4)),
     ],
 )

@@ -84,7 +84,7 @@ def reference(model, robot):
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(
-    "seed", [*range(3), *(pytest.param(s, marks=pytest.mark.slow) for s in range(3, 16))]
+    "seed", [0, *(pytest.param(s, marks=pytest.mark.slow) for s in range(1, 16))]
 )
 def test_errors_are_within_bounds_at_200_hz_and_1_khz(seed, model):
     robot = drawn(seed)

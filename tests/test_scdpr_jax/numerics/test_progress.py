@@ -3,6 +3,7 @@
 import hypothesis
 import hypothesis.strategies as st
 
+from scdpr_jax.numerics import progress as module
 from scdpr_jax.numerics.progress import SILENT, Progress
 
 share = st.floats(0.0, 1.0)
@@ -46,3 +47,21 @@ def test_names_of_parts_stand_before_what_they_say():
 
 def test_nobody_hears_a_silent_one():
     assert SILENT.part(0.0, 0.5, "fit")("start", 1.0) is None
+
+
+def test_true_is_a_line_in_a_notebook_that_never_falls(capsys):
+    told = module.listening(True)
+    for share in (0.5, 0.2, 1.0):
+        told("fit", share)
+    lines = capsys.readouterr().err.split("\r")[1:]
+    assert [line.split()[0] for line in lines] == ["50", "50", "100"]
+    assert all("fit" in line for line in lines)
+
+
+def test_false_is_silence_and_a_listener_stays_one(capsys):
+    told, heard = listening()
+    assert module.listening(told) is told
+    module.listening(False)("fit", 0.5)
+    assert module.listening(False) is SILENT
+    assert not heard
+    assert capsys.readouterr().err == ""

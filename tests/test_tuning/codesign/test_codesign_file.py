@@ -8,6 +8,7 @@ from codesign_samples import LAW, co_design
 from hostile_documents import outcomes
 
 from tuning.codesign.codesign_file import read_law, write_codesign
+from tuning.result.document import read_tuning
 
 
 def test_the_recommended_law_that_is_written_is_read(tmp_path):
@@ -20,6 +21,16 @@ def test_the_recommended_law_that_is_written_is_read(tmp_path):
     np.testing.assert_array_equal(
         again.controller.derivative_gain, LAW.controller.derivative_gain
     )
+
+
+def test_a_co_design_is_a_tuning_to_plan_with(tmp_path):
+    write_codesign(tmp_path / "codesign.json", co_design())
+    tuning = read_tuning(tmp_path / "codesign.json")
+    assert float(tuning.controller.derivative_gain) == float(LAW.controller.derivative_gain)
+    np.testing.assert_array_equal(
+        tuning.shaper_at(1.0, 0.5, 349.9).shaper.times, LAW.shaper.times
+    )
+    assert tuning.robot_at(350.0).pretension == 350.0
 
 
 def test_the_file_tells_the_worst_and_the_mean_of_the_models(tmp_path):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from experiments.page import style
-from experiments.page.inline_svg import inline_svg
-from experiments.page.panels import NARROW, Panel, parts
+from experiments.page.pictures.inline_svg import inline_svg
+from experiments.page.pictures.panels import NARROW, Panel, parts
 
 
 @style.styled

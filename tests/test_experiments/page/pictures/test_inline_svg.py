@@ -3,7 +3,7 @@ import re
 import numpy as np
 import pytest
 
-from experiments.page.inline_svg import inline_svg
+from experiments.page.pictures.inline_svg import inline_svg
 from experiments.page.style import new_figure, styled, thinned
 
 

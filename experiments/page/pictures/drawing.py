@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from experiments.page.inline_svg import inline_svg
+from experiments.page.pictures.inline_svg import inline_svg
 from scdpr_jax.numerics.processes import deaf_to_interrupts, end_with_pool
 
 Draw = Callable[[Figure, str, str], "Drawn"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from report_samples import tracking_run
 
-from experiments.studies.in_space import in_space
+from experiments.studies.legs.in_space import in_space
 
 
 def late(samples):

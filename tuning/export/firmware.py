@@ -7,7 +7,7 @@ Klipper's `[input_shaper]` section and of Marlin's `M593` gives.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from tuning.shapers.comparison import Fitted, pick
 
@@ -28,6 +28,11 @@ class Pasted(NamedTuple):
     """What to paste."""
     fit: Fitted
     """The catalogue's shaper that they are."""
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The same as `shaper.json` has it."""
+        return {"kind": self.fit.entry.name, "lines": list(self.lines)}
 
 
 def pasted(fits: Sequence[Fitted], *, axis: str, damping_ratio: float) -> tuple[Pasted, ...]:

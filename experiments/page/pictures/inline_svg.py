@@ -5,10 +5,11 @@ import io
 import re
 
 import matplotlib
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from experiments.page.panels import Cut, cut, parts
+from experiments.page.pictures.panels import Cut, cut, parts
 from experiments.page.theme import themed
 from scdpr_jax.numerics.files.harmless import printable
 
@@ -54,6 +55,8 @@ def inline_svg(figure: Figure, *, name: str, description: str) -> str:
     # Text as text, and identifiers that don't change from one run to the next.
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
         _lay_out(figure)
+        # A figure that comes from another process has no canvas, which knows sizes of words.
+        FigureCanvasAgg(figure)
         how = cut(figure)
         # Not `savefig`, which draws everything twice.
         FigureCanvasSVG(figure).print_svg(file, metadata={"Date": None})
