@@ -12,6 +12,12 @@ from experiments.runtime.executors.processes import Processes
 
 CERTIFICATES = ("ca.pem", "cert.pem", "key.pem")
 """Files of `--certificates`: who signs, the own certificate, its key."""
+_LOCAL = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 2**30,
+}
+"""Workers of a local cluster don't look at themselves a hundred times a second, and don't give
+back the memory of every array: a program asks for it again at once."""
 ANSWERS_WITHIN = 15.0
 """How long a scheduler may take to answer [s]."""
 
@@ -92,8 +98,7 @@ def chosen(
     with contextlib.ExitStack() as stack:
         stack.enter_context(_quiet())
         if number:
-            # Its workers would look a hundred times a second at what they are doing.
-            stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))
+            stack.enter_context(dask.config.set(_LOCAL))
             # With certificates of its own: other users of this machine are kept out.
             security = Security.temporary()
             local = stack.enter_context(

@@ -1,5 +1,6 @@
 """A unit of a batch: a campaign, read, examined and identified wherever it is asked for."""
 
+import dataclasses
 import json
 import pathlib
 from collections.abc import Callable, Sequence
@@ -9,9 +10,11 @@ from experiments.runtime.parcel import Parcel, packed, unpacked
 from experiments.studies.campaigns.files import unpack_files
 from experiments.studies.campaigns.identified import Question, identified
 from identification.campaign import read_campaign
+from identification.campaign.abbreviation import run_names
 from identification.doctor.accepted import admission
 from identification.result.parameters_file import parameters_text
 from scdpr_jax.numerics.files.scratch import scratch_folder
+from scdpr_jax.provenance import made_today
 
 
 class Answer(NamedTuple):
@@ -73,9 +76,10 @@ def _answer(folder: pathlib.Path, question: Question, facts: dict[str, Any]) -> 
         told = "; ".join(f"{finding.severity}: {finding}" for finding in refused)
         ids = " ".join(dict.fromkeys(finding.id for finding in refused))
         return Answer("", f"{told} Put it right, or accept it: `--accept {ids}`.")
-    found = identified(admitted, question)
-    document = parameters_text(
-        found.estimate, found.profiles, found.posterior, admitted.accepted
-    )
+    held_out = run_names(read, question.hold_out)
+    found = identified(admitted, dataclasses.replace(question, hold_out=held_out))
+    # Of no day: a call that goes on tomorrow ends with the same bytes.
+    made = made_today(admitted.name, admitted.source).model_copy(update={"date": ""})
+    document = parameters_text(*found, admitted.accepted, made)
     reason = "" if found.estimate.fits else "the model does not fit the runs: see `scdpr check`"
     return Answer(document, reason)

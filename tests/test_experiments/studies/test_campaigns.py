@@ -30,6 +30,7 @@ from identification.campaign.types import default_sensors, encoder_resolution
 from identification.doctor.accepted import admission
 from identification.result.parameters_file import write_parameters
 from scdpr_jax.numerics.progress import Progress
+from scdpr_jax.provenance import made_today
 from scdpr_jax.robot.prototype import consistent
 
 DRIVES = Question(free=("drive_inertia", "drive_damping"))
@@ -129,7 +130,8 @@ def test_each_campaigns_parameters_are_those_of_a_call_of_its_own(batch, rigs, t
     _, out = batch
     admitted, _ = admission(read_campaign(rigs / "rig-1"), ACCEPT)
     alone = identified(admitted, DRIVES)
-    write_parameters(tmp_path / "alone.json", *alone, admitted.accepted)
+    made = made_today(admitted.name, admitted.source).model_copy(update={"date": ""})
+    write_parameters(tmp_path / "alone.json", *alone, admitted.accepted, made)
     written = (out / "rig-1" / "parameters.json").read_bytes()
     assert written == (tmp_path / "alone.json").read_bytes()
     assert json.loads(written)["fits"] is True
