@@ -9,6 +9,7 @@ import io
 import json
 import os
 import pathlib
+import select
 import shutil
 import subprocess
 import tempfile
@@ -17,6 +18,8 @@ from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 """What a machine may call it."""
+PATIENCE = 60.0
+"""Time after which a browser that says nothing is given up [s]."""
 
 
 def executable() -> str | None:
@@ -165,6 +168,8 @@ class Page:
 
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._rest:
+            if not select.select([self._read], [], [], PATIENCE)[0]:
+                raise RuntimeError(f"the browser has said nothing for {PATIENCE:g} s")
             part = self._read.read(1 << 16)
             if not part:
                 raise RuntimeError("the browser has gone")

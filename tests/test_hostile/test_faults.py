@@ -170,6 +170,8 @@ with whole_file(pathlib.Path(sys.argv[1], "half.csv")) as scratch:
     scratch.write_text("half")
     {doing}
 """
+# Who runs the tests may have been begun deaf to Ctrl-C, as in the background of a shell.
+HEARS = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 DOING = {"in Python": "in_python()", "in clean-up": "Cleaned()", "at renames": "together()"}
 
 
@@ -186,7 +188,7 @@ def begun(script, folder):
     [(signal.SIGINT, "stopped"), (signal.SIGTERM, "terminated"), (signal.SIGHUP, "gone")],
 )
 def test_a_signal_ends_the_process_with_one_line(number, word, doing, tmp_path):
-    child = begun(WAITS.format(doing=DOING[doing]), tmp_path)
+    child = begun(HEARS + WAITS.format(doing=DOING[doing]), tmp_path)
     assert child.stdout.readline() == "waits\n"
     child.send_signal(number)
     _, told = child.communicate(timeout=60)

@@ -195,6 +195,7 @@ def test_who_wants_no_motion_gets_poses(page, report):
     assert page.ask("document.querySelector('.strip svg').getBoundingClientRect().width") > 100
 
 
+@pytest.mark.slow
 def test_a_leg_is_planned_while_a_slider_moves(page, tmp_path):
     ready = "document.querySelector('#planned table') && !planned.hasAttribute('aria-busy')"
     move = (

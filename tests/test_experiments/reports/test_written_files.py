@@ -1,6 +1,7 @@
 """What `scdpr tune` and `scdpr calibrate` write of a tuning."""
 
 import jax.numpy as jnp
+import pytest
 
 from experiments.reports.written_files import write_tuned
 from scdpr_jax.command.controller import published_pd
@@ -23,6 +24,7 @@ SHAPER = RegionalShaper(
 )
 
 
+@pytest.mark.slow
 def test_every_file_of_a_tuning_is_named_tuning_json_first(tmp_path):
     margins = Margins(*(jnp.asarray(number) for number in (40.0, 1.0, 0.02, 700.0, 30.0, 1.3)))
     robots = (FittedSetting(350.0, exact(consistent())),)

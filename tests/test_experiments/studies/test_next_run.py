@@ -183,7 +183,7 @@ def test_what_a_fit_leaves_beyond_noise_counts_once_while_it_stands():
 @pytest.mark.parametrize(
     ("changed", "told"),
     [
-        (["--for", "gravity"], "names nothing that was estimated"),
+        (["--for", "gravity"], "no such quantity, got 'gravity'"),
         (["--for", "mu", "--seconds", "0.5"], "Allow for a longer run"),
         (["--for", "mu", "--top-speed", "2"], "a number without its unit"),
         (["--for", "mu", "--setting", "200 N"], "no effective pretension"),

@@ -38,8 +38,8 @@ def row_of(document, name):
     [
         ({"value": -2.1}, r"`end_effector_mass` can't be a robot's, got -2.1 kg"),
         ({"value": 2070000.0}, r"can't be a robot's, got 2.07e\+06 kg, expected 0.0001 to"),
-        ({"value": "2.07"}, 'value is wrong, got "2.07"'),
-        ({"value": float("nan")}, r"value is wrong, got NaN"),
+        ({"value": "2.07"}, "value is wrong, got '2.07'"),
+        ({"value": float("nan")}, r"value is wrong, got nan"),
         ({"value": None}, r"value is wrong"),
         ({"unit": "g"}, r"the unit of 'end_effector_mass' is wrong, got 'g'"),
         ({"name": "end_effector_mas"}, r"parameters are missing, .* without end_effector_mass"),

@@ -146,7 +146,14 @@ def test_a_mode_that_does_not_vibrate_is_refused_and_has_no_shaper_under_jit(des
     assert jnp.all(jnp.isnan(build(*map(jnp.asarray, mode))))
 
 
-@pytest.mark.parametrize("design", DESIGNS, ids=NAMES)
+@pytest.mark.parametrize(
+    "design",
+    [
+        # Compiling the derivatives of those with humps takes a quarter of a minute each.
+        pytest.param(design, id=name, marks=[pytest.mark.slow] if "hump" in name else [])
+        for name, design in zip(NAMES, DESIGNS, strict=True)
+    ],
+)
 def test_shapers_are_differentiable_in_their_mode(design):
     def impulses(frequency, damping_ratio):
         shaper = design(frequency, damping_ratio)
