@@ -82,6 +82,7 @@ def test_an_interval_holds_its_share_of_the_draws(drawn):
     np.testing.assert_allclose(inside.mean(axis=(0, 1)), 0.9, atol=0.01)
 
 
+@pytest.mark.slow
 def test_chains_that_don_t_agree_are_refused(logs, found, monkeypatch):
     monkeypatch.setattr(module, "APART", 0.0)
     monkeypatch.setattr(module, "ROUNDS", 1)

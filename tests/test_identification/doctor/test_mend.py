@@ -31,7 +31,13 @@ MENDED = (
 )
 
 
-@pytest.mark.parametrize("slip", MENDED)
+@pytest.mark.parametrize(
+    "slip",
+    [
+        pytest.param(slip, marks=[pytest.mark.slow] if number % 2 else [])
+        for number, slip in enumerate(MENDED)
+    ],
+)
 def test_a_mended_campaign_passes(good, slip, tmp_path):
     wanted, plant = planted_slips.PLANTED[slip]
     slipped = plant(good[1], np.random.default_rng(5))

@@ -66,7 +66,13 @@ def identifiers(findings: tuple[Finding, ...], wanted: str) -> list[str]:
     return [f.id for f in findings if f.id != "knock.missing" or f.id == wanted]
 
 
-@pytest.mark.parametrize("slip", QUICK)
+@pytest.mark.parametrize(
+    "slip",
+    [
+        pytest.param(slip, marks=[pytest.mark.slow] if number % 2 else [])
+        for number, slip in enumerate(QUICK)
+    ],
+)
 def test_a_slip_is_named_first(good, slip):
     wanted, plant = planted_slips.PLANTED[slip]
     campaign = good[1]  # states its knocks, its starts and its clock

@@ -64,7 +64,7 @@ def test_its_intervals_cover_the_truth_as_often_as_they_say():
 
 
 def test_a_fast_vibration_keeps_its_samples():
-    time, x = record(2, rate=3000, second=60.0)
+    time, x = record(2, rate=3000, second=60.0, duration=2.5)
     means = thinned(time, x / NOISE)
     assert 1 <= means.together <= 3000 / (60 * decimation.A_PERIOD)
     assert [round(mode.frequency) for mode in fit(time, x).modes] == [3, 60]

@@ -47,7 +47,12 @@ def rms(error):
 
 @pytest.mark.parametrize("video", ["video.avi", "video.mp4"])
 @pytest.mark.parametrize(
-    "kind", ["easy", "usual", pytest.param("hard", marks=pytest.mark.slow)]
+    "kind",
+    [
+        pytest.param("easy", marks=pytest.mark.slow),
+        "usual",
+        pytest.param("hard", marks=pytest.mark.slow),
+    ],
 )
 def test_poses_are_as_good_as_a_camera_of_twice_the_pixels_is_asked_for(films, kind, video):
     folder, truth = films(kind)
@@ -61,7 +66,7 @@ def test_poses_are_as_good_as_a_camera_of_twice_the_pixels_is_asked_for(films, k
             assert np.nanmax(np.abs(off)) < 3e-3, name
 
 
-@pytest.mark.parametrize("kind", ["easy", "usual"])
+@pytest.mark.parametrize("kind", [pytest.param("easy", marks=pytest.mark.slow), "usual"])
 def test_every_picture_in_which_all_is_seen_gives_every_pose(films, kind):
     folder, truth = films(kind)
     assert tracked(folder).posed >= 0.97 * len(truth.time) - 1
@@ -82,7 +87,9 @@ def test_hidden_markers_and_copies_have_no_pose_and_most_of_the_rest_have_one(fi
     assert posed[seen].sum() >= 0.8 * seen.sum()
 
 
-@pytest.mark.parametrize("kind", ["easy", "usual", "hard"])
+@pytest.mark.parametrize(
+    "kind", [pytest.param("easy", marks=pytest.mark.slow), "usual", "hard"]
+)
 def test_deviations_are_those_of_the_errors(films, kind):
     folder, truth = films(kind)
     found = tracked(folder)
