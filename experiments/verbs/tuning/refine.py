@@ -5,13 +5,17 @@ import pathlib
 from typing import TYPE_CHECKING
 
 from experiments.runtime import set_up
-from experiments.verbs.console import OUT, Folder, plan_call, suggest, wrote
+from experiments.verbs.console import OUT, Folder, plan_call, say, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
+from experiments.verbs.places import try_out
 
 if TYPE_CHECKING:
     from experiments.page.table import Table
     from tuning.refinement.refine import Refined
     from tuning.result.tuning import Tuning
+
+EXPLAINED = 1.1
+"""Misfit up to which a leg is explained down to the camera's noise [1]."""
 
 
 def refine(
@@ -33,6 +37,7 @@ def refine(
         run: Folders of the logged legs, all at one pretension; three are usual.
         out: Folder for the corrected tuning.json and its folder export.
     """
+    try_out(out / "tuning.json")
     set_up()
     from experiments.page.console_text import print_table
     from experiments.reports.written_files import write_tuned
@@ -48,9 +53,15 @@ def refine(
         print_table(OUT, table)
         OUT.print()
     if not found.helps:
-        OUT.print(
-            f"{tuning} stays as it is: what these legs tell doesn't foretell the ones left "
-            "out better than the fit does. Log legs elsewhere in the workspace."
+        told = all(own.before < EXPLAINED for own in found.legs)
+        say(
+            f"{tuning} stays as it is: "
+            + (
+                "the fit explains these legs down to the camera's noise."
+                if told
+                else "what these legs tell doesn't foretell the ones left out better than the "
+                "fit does. Log legs elsewhere in the workspace."
+            )
         )
         return FELL_SHORT
     written = write_tuned(out, _with(tuned, fitted.pretension, found))
