@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from equinox.internal import unvmap_any
 from jaxtyping import Array, Float
 
@@ -47,6 +48,18 @@ class Lead(NamedTuple):
     """The lower carriage, $q_3$ [m]."""
     height: Float[Array, "... 3"]
     """The end-effector's height $y_e$ [m]."""
+
+
+def thirds(halves: Float[np.ndarray, "points ..."]) -> Float[np.ndarray, "steps 3 ..."]:
+    """Beginning, middle and end of each step: what a `Lead` is made of.
+
+    Args:
+        halves: What is led, at every half step.
+
+    Returns:
+        A row for each step.
+    """
+    return np.stack([halves[:-1:2], halves[1::2], halves[2::2]], axis=1)
 
 
 def whole_position(

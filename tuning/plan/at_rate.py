@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from scdpr_jax.engines.led_stepping import Lead
+from scdpr_jax.engines.led_stepping import Lead, thirds
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.led.following import Leader
 from tuning.plan.leg import Leg, places
@@ -32,9 +32,7 @@ def planned(
     samples = int(np.ceil(leg.time / period - 1e-9))
     every = places(leg, period / 4 * np.arange(4 * samples + 1))
     lower, height = every.lower(coefficients), every.plain.value[:, 1]
-    lead = Lead(
-        *(np.stack([own[:-1:2], own[1::2], own[2::2]], axis=1)[None] for own in (lower, height))
-    )
+    lead = Lead(thirds(lower)[None], thirds(height)[None])
     alone = scenarios(robot, FITTED)
     fitted = Leader(alone.robot)
     begins = Moment(*(own[:-1:2][None] for own in every.motion(coefficients)))

@@ -131,7 +131,7 @@ def driven(
     held = ((0, round(AFTERWARDS / float(controller.period))), (0, 0))
     told_rows = (plan.angle, plan.feedforward)
     rows = Told(*(np.pad(own, held, mode="edge")[None] for own in told_rows))
-    parts = (np.asarray(part, float)[None] for part in _numbers(controller))
+    parts = (np.asarray(part, float)[None] for part in pd_numbers(controller))
     loop = Loop(robots, PD(*parts), np.stack([begin, height], axis=1))
     (last, _), x = native.Runs(sample, loop)(start, rows)
     after = x[:, plan.time.size - 1 :]
@@ -140,7 +140,15 @@ def driven(
     return Expectation(np.ptp(after, axis=1), rest - leg.end[0])
 
 
-def _numbers(controller: PD) -> tuple[Array, ...]:
+def pd_numbers(controller: PD) -> tuple[Array, ...]:
+    """The numbers of a controller, in the order of its fields.
+
+    Args:
+        controller: The controller.
+
+    Returns:
+        Gains [V/rad; V s/rad], period and filter time [s].
+    """
     return (
         controller.proportional_gain,
         controller.derivative_gain,

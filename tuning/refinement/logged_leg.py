@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.signal import savgol_filter
 
-from scdpr_jax.engines.led_stepping import Lead
+from scdpr_jax.engines.led_stepping import Lead, thirds
 from scdpr_jax.robot.fields import si
 
 STEP = 4e-3
@@ -100,14 +100,13 @@ class Way:
             The way.
         """
         halves = leg.way(radius)
-        thirds = np.stack([halves[:-1:2], halves[1::2], halves[2::2]], axis=1)
         velocity, acceleration = (
             _derivative(halves, order, window)[:-1:2]
             for order, window in ((1, SMOOTH), (2, SMOOTHER))
         )
         velocity = np.where(np.abs(velocity) < CREEP, 0.0, velocity)
         return cls(
-            Lead(thirds[None, ..., 0], thirds[None, ..., 1]),
+            Lead(*(thirds(own)[None] for own in halves.T)),
             velocity[None],
             acceleration[None],
         )

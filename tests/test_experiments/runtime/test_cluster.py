@@ -11,12 +11,10 @@ import threading
 import time
 
 import pytest
+from unreadable_campaigns import job_of
 
 from experiments.runtime.executors.chosen import CERTIFICATES, chosen
 from experiments.runtime.executors.here import ThisProcess
-from experiments.runtime.job import Job
-from experiments.runtime.parcel import Parcel
-from experiments.studies.campaigns.files import packed_files
 from experiments.sweep.axes import parse_axes
 from experiments.sweep.move import CLOSED_LOOP
 from experiments.sweep.run import sweep
@@ -25,23 +23,10 @@ from scdpr_jax.robot.prototype import consistent
 distributed = pytest.importorskip("distributed")
 cluster_module = pytest.importorskip("experiments.runtime.executors.cluster")
 
-NAMES = [f"rig-{number}" for number in range(12)]
-FACTS = {"names": NAMES, "question": {}, "accept": [], "skip_bad_runs": False}
-
 
 @pytest.fixture
 def broken(tmp_path):
-    """A job of campaigns that can't be read, each for a reason of its own."""
-    for name in NAMES:
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "campaign.toml").write_text(f"{name} = 1")
-    return lambda installed: Job(
-        "identify",
-        Parcel(FACTS),
-        len(NAMES),
-        installed,
-        lambda number: packed_files(tmp_path / NAMES[number]),
-    )
+    return job_of(tmp_path)
 
 
 def outcomes(executor, broken):

@@ -13,34 +13,19 @@ import threading
 import time
 
 import pytest
+from unreadable_campaigns import NAMES, job_of
 
 from experiments.runtime.computation import COMPUTATIONS, Outcome, compute
 from experiments.runtime.executors.chosen import chosen, require_cluster
 from experiments.runtime.executors.here import ThisProcess
 from experiments.runtime.executors.processes import Processes
 from experiments.runtime.installation import different, installation
-from experiments.runtime.job import Job
-from experiments.runtime.parcel import Parcel
-from experiments.studies.campaigns.files import packed_files
 from experiments.studies.campaigns.unit import answer_of
-
-NAMES = [f"rig-{number}" for number in range(12)]
-FACTS = {"names": NAMES, "question": {}, "accept": [], "skip_bad_runs": False}
 
 
 @pytest.fixture
 def broken(tmp_path):
-    """A job of campaigns that can't be read, each for a reason of its own."""
-    for name in NAMES:
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "campaign.toml").write_text(f"{name} = 1")
-    return lambda installed: Job(
-        "identify",
-        Parcel(FACTS),
-        len(NAMES),
-        installed,
-        lambda number: packed_files(tmp_path / NAMES[number]),
-    )
+    return job_of(tmp_path)
 
 
 def outcomes(executor, broken):

@@ -14,7 +14,7 @@ from tuning.export.description import decimal
 from tuning.export.onboard.kernels import kernels_text
 from tuning.export.template import fill_in
 from tuning.plan import leg, pace, planning
-from tuning.plan.expectation import AFTERWARDS, ROBOTS
+from tuning.plan.expectation import AFTERWARDS, ROBOTS, pd_numbers
 from tuning.plan.led.servo import servo
 from tuning.plan.search import grid, misfit, stages
 from tuning.plan.search.scenarios import FARTHEST, VARIATIONS, scenarios
@@ -105,13 +105,8 @@ class OnBoard:
         yield _array("WEIGHT", "[SCDPR_LEG_ROBOTS]", np.array([1.0, *others.weight]))
         yield _array("RESTS", "[SCDPR_LEG_ROBOTS]", np.array([1.0, *others.resting]))
         yield _array("SERVO", "[3]", np.array(servo(robot, controller)))
-        gains = (
-            controller.proportional_gain,
-            controller.derivative_gain,
-            controller.period,
-            controller.filter_time,
-        )
-        yield _array("CONTROLLER", "[4]", np.array([float(own) for own in gains]))
+        gains = np.array([float(own) for own in pd_numbers(controller)])
+        yield _array("CONTROLLER", "[4]", gains)
 
 
 def _constants(robot: Robot) -> dict[str, str]:

@@ -6,7 +6,7 @@ import functools
 import numpy as np
 from jaxtyping import Float, Int
 
-from scdpr_jax.engines.led_stepping import Lead
+from scdpr_jax.engines.led_stepping import Lead, thirds
 from tuning.plan.leg import Leg, Places, places
 from tuning.plan.profile import Moment, pace_values
 
@@ -81,11 +81,11 @@ class Grid:
     @functools.cached_property
     def along(self) -> Float[np.ndarray, "splines steps 3"]:
         """What each spline does to where the lower carriage is led."""
-        return np.ascontiguousarray(np.moveaxis(_thirds(self.halves.splines.value), 2, 0))
+        return np.ascontiguousarray(np.moveaxis(thirds(self.halves.splines.value), 2, 0))
 
     @functools.cached_property
     def _height(self) -> Float[np.ndarray, "1 steps 3"]:
-        return _thirds(self.halves.plain.value[:, 1])[None]
+        return thirds(self.halves.plain.value[:, 1])[None]
 
     def lead(self, point: Float[np.ndarray, " splines"]) -> Lead:
         """Where the fitted robot is led.
@@ -96,7 +96,7 @@ class Grid:
         Returns:
             A row for each step, behind an axis of robots.
         """
-        return Lead(_thirds(self.halves.lower(point))[None], self._height)
+        return Lead(thirds(self.halves.lower(point))[None], self._height)
 
     def motion(self, point: Float[np.ndarray, " splines"]) -> Moment:
         """The led motion at the beginnings of the steps, behind an axis of robots.
@@ -125,8 +125,3 @@ def _aside(splines: Moment) -> Moment:
     """Tangents of lower carriage and height, which the splines leave alone."""
     pairs = (np.stack([own.T, np.zeros_like(own.T)], axis=-1) for own in splines)
     return Moment(*(np.ascontiguousarray(own[None]) for own in pairs))
-
-
-def _thirds(halves: Float[np.ndarray, "points ..."]) -> Float[np.ndarray, "steps 3 ..."]:
-    """Beginning, middle and end of each step."""
-    return np.stack([halves[:-1:2], halves[1::2], halves[2::2]], axis=1)
