@@ -48,6 +48,7 @@ _TINY = 1e-12  # m and m/s: noise of a log without any
 _BATCH = 8  # simulations at once: as many directions as `polish` tries, so one compilation
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
 class LogMeanSquares(Merit):
     """The sum over the horizons of a log of their mean squared errors, at a point."""
 

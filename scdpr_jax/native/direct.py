@@ -12,7 +12,7 @@ from typing import Any, Generic, NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import PyTree
+from jaxtyping import Int, PyTree
 
 from scdpr_jax.native import machine, primitive
 from scdpr_jax.native.kernel import TASK
@@ -63,11 +63,16 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
             What the last step carries on and the outputs, likewise.
         """
         traced, operands = self._given(start, inputs)
-        made = self._made(traced.step, operands, (), ())
+        made = self._made(traced.step, operands, (), (), None)
         return jax.tree.unflatten(jax.tree.structure(traced.outputs), made)
 
     def linearised(
-        self, start: Carry, inputs: Inputs, *, along: Slopes
+        self,
+        start: Carry,
+        inputs: Inputs,
+        *,
+        along: Slopes,
+        begun: Int[np.ndarray, " steps"] | None = None,
     ) -> tuple[tuple[Carry, Outputs], Slopes]:
         """The same with derivatives along tangents.
 
@@ -76,6 +81,8 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
             inputs: Inputs of the steps.
             along: Tangents of both, behind axes of robots and of tangents; None in place of an
                 input that doesn't move. What is carried all has some.
+            begun: How many of the tangents, the first ones, move anything by the end of each
+                step, in which the others cost nothing; None for all.
 
         Returns:
             Results, and derivatives, which have an axis of tangents last.
@@ -85,7 +92,7 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         seeds = [None] * traced.step.parameters + leaves
         moving = tuple(seed is not None for seed in seeds)
         given = [np.ascontiguousarray(seed, float) for seed in seeds if seed is not None]
-        made = self._made(traced.step, operands, moving, given)
+        made = self._made(traced.step, operands, moving, given, begun)
         count, structure = len(made) // 2, jax.tree.structure(traced.outputs)
         values, slopes = (
             jax.tree.unflatten(structure, own) for own in (made[:count], made[count:])
@@ -119,6 +126,7 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         operands: Sequence[np.ndarray],
         moving: tuple[bool, ...],
         seeds: Sequence[np.ndarray],
+        begun: np.ndarray | None,
     ) -> list[np.ndarray]:
         """Results, and derivatives where there are tangents."""
         robots = max(self._robots, *map(len, (*operands, *seeds)))
@@ -127,7 +135,7 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         if code is None:
             every = [*self._parameters, *operands]
             return [np.asarray(own) for own in _by_xla(every, seeds, step=step, moving=moving)]
-        return code(self._words, robots, operands, seeds)
+        return code(self._words, robots, operands, seeds, begun)
 
 
 @functools.cache
@@ -168,7 +176,9 @@ class _Code:
     """A kernel's group of robots as a function of memory."""
 
     def __init__(self, step: Step, moving: tuple[bool, ...], lanes: int):
-        self.results, self.lanes = tuple(step.results.items()), lanes
+        # Shapes of the results, and which of them have a row for each step.
+        self.results = [(n.startswith("output"), s) for n, s in step.results.items()]
+        self.lanes = lanes
         self.group: Callable[[Any, int], None] = ctypes.CFUNCTYPE(
             None, ctypes.c_void_p, ctypes.c_long
         )(machine.group_address(step, machine.Wanted(moving, values=True), lanes=lanes))
@@ -179,17 +189,21 @@ class _Code:
         robots: int,
         operands: Sequence[np.ndarray],
         seeds: Sequence[np.ndarray],
+        begun: np.ndarray | None,
     ) -> list[np.ndarray]:
         steps = operands[-1].shape[1]
         tangents = max((own.shape[1] for own in seeds), default=1)
         results = [
-            np.empty((robots, *((steps,) if name.startswith("output") else ()), *shape))
-            for name, shape in self.results
+            np.empty((robots, steps, *shape) if rows else (robots, *shape))
+            for rows, shape in self.results
         ]
-        slopes = [np.empty((*own.shape, tangents)) for own in results] if seeds else []
+        slopes = [np.zeros((*own.shape, tangents)) for own in results] if seeds else []
         groups = -(-robots // self.lanes)
         words = dict.fromkeys(TASK, 0)
         words |= {"last": robots - 1, "steps": steps, "tangents": tangents, "groups": groups}
+        if begun is not None:
+            begun = np.ascontiguousarray(begun, np.int64)
+            words["begun"] = _place(begun)
         arrays = itertools.chain(
             *map(_own_words, operands),
             *map(_seed_words, seeds),

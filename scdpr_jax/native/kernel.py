@@ -13,13 +13,15 @@ from dataclasses import dataclass
 from scdpr_jax.native.printers.llvm_ir import llvm_ir, loop
 from scdpr_jax.native.scalar.program import Program
 
-MOST_TANGENTS = 20
+MOST_TANGENTS = 40
 """Tangents that a group's memory has room for."""
 MOST_NUMBERS = 1600
 """Numbers of a robot in all arrays of a step, without tangents: they lie on the stack."""
 
-TASK = ("next", "done", "users", "groups", "last", "steps", "tangents")
-"""What a task says of its own, 8 bytes each; `WORDS` of each array follow."""
+TASK = ("next", "done", "users", "groups", "last", "steps", "tangents", "begun")
+"""What a task says of its own, 8 bytes each; `WORDS` of each array follow. `begun` is where it
+says how many of the tangents have begun in each step, the first ones; 0 where all have. What
+the others' derivatives are is nothing yet, and isn't written."""
 WORDS = (("data", "ptr"), ("robot", "i64"), ("tangent", "i64"))
 """Where an array begins, and how far its robots and its tangents are apart."""
 
@@ -154,20 +156,33 @@ store double %x, ptr %there, align 8"""
         pointers = ", ".join(f"ptr %{self.carried.get(name, name)}" for name in named)
         rows = [own for own in every if own.rows]
         step = itertools.chain(
-            *(self._moved(own, "%k") for own in rows if not own.result),
-            [f"call void @{self.name}({pointers}, i64 %some)"],
-            *(self._moved(own, "%k") for own in rows if own.result),
+            self._begun(),
+            *(self._moved(own, "%k", many="%now") for own in rows if not own.result),
+            [f"call void @{self.name}({pointers}, i64 %now)"],
+            *(self._moved(own, "%k", many="%now") for own in rows if own.result),
         )
         yield from loop("k", "%steps", step)
         for own in every:
             if own.result and not own.rows:
-                yield from self._moved(own, "0")
+                yield from self._moved(own, "0", many="%some")
 
-    def _moved(self, own: Array, row: str) -> Iterator[str]:
+    def _begun(self) -> Iterator[str]:
+        """How many of the part's tangents have begun in a step."""
+        yield f"""\
+%listed = icmp ne i64 %begun, 0
+%list = inttoptr i64 %begun to ptr
+%in.list = getelementptr i64, ptr %list, i64 %k
+%in.task = getelementptr i64, ptr %task, i64 {TASK.index("tangents")}
+%begun.place = select i1 %listed, ptr %in.list, ptr %in.task
+%begun.now = load i64, ptr %begun.place, align 8
+%now.rest = sub i64 %begun.now, %begin
+%now.any = call i64 @llvm.smax.i64(i64 %now.rest, i64 0)
+%now = call i64 @llvm.smin.i64(i64 %now.any, i64 %some)"""
+
+    def _moved(self, own: Array, row: str, *, many: str) -> Iterator[str]:
         """A row of each lane's robot: an operand's into the group's memory, a result's out."""
         tag = f"{own.name}.moved"
-        many = "%some" if own.each else "1"
-        return loop(f"{tag}.p", many, self._moved_tangent(own, row, tag))
+        return loop(f"{tag}.p", many if own.each else "1", self._moved_tangent(own, row, tag))
 
     def _moved_tangent(self, own: Array, row: str, tag: str) -> Iterator[str]:
         apart = "%tangents" if own.each and own.result else "1"

@@ -4,6 +4,7 @@ import enum
 import hashlib
 import types
 import uuid
+import warnings
 import weakref
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
@@ -195,11 +196,13 @@ def _parameter(key: str, own: Any, derivatives: bool) -> Iterator[str]:
             yield f"{key} {len(own)}"
             for i, part in enumerate(own):
                 yield from _parameter(f"{key}.{i}", part, derivatives)
-        case np.ndarray() | jax.Array():
+        case np.ndarray() | np.generic() | jax.Array():
             yield f"{key} {_value(own)}"
         case _ if key in ("ft_in", "ft_out"):  # Which inputs of a `scan` are what.
             yield f"{key} {own!r}"
         case None | bool() | int() | float() | str() | np.dtype() | type() | enum.Enum():
             yield f"{key} {own!r}"
         case _:
+            what = f"`{key}` of a primitive, {type(own).__name__}, has no name that lasts"
+            warnings.warn(f"Machine code isn't kept: {what}.", RuntimeWarning, stacklevel=2)
             yield f"{key} {uuid.uuid4()}"

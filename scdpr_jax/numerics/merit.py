@@ -6,25 +6,26 @@ number, a gradient and that matrix. A search looks at the number alone until a p
 so far, so derivatives that cost something are made when they are first asked for.
 """
 
+import dataclasses
 import functools
 import math
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
 
-class Merit(eqx.Module):
+class Merit:
     """What is minimised, at a point, with its Gauss–Newton model."""
 
-    cost: eqx.AbstractVar[float]
+    cost: float
     """The merit, not finite where there is none."""
-    gradient: eqx.AbstractVar[Float[np.ndarray, " n"]]
+    gradient: Float[np.ndarray, " n"]
     r"""Weighted $J^T r$, half the gradient of the merit."""
-    matrix: eqx.AbstractVar[Float[np.ndarray, "n n"]]
+    matrix: Float[np.ndarray, "n n"]
     r"""Weighted $J^T J$, half the Gauss–Newton model's second derivative."""
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
 class Normal(Merit):
     """A misfit at a point as its normal equations."""
 
@@ -48,6 +49,7 @@ class Normal(Merit):
         )
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
 class SumOfSquares(Merit):
     """The sum of squared residuals; its normal equations are made when they are asked for."""
 

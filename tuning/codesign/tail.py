@@ -15,11 +15,11 @@ Reference: R. T. Rockafellar, S. Uryasev, "Optimization of conditional value-at-
 J. Risk 2(3), 2000, doi:10.21314/JOR.2000.038.
 """
 
+import dataclasses
 import functools
 import math
 from collections.abc import Callable
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -41,6 +41,7 @@ Linearised = Callable[
 """From a point and some of the models to their residuals and Jacobians."""
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
 class Tail(Merit):
     """The worst models at a point; their Jacobians are made when they are asked for."""
 
@@ -51,7 +52,7 @@ class Tail(Merit):
     linearised: Callable[
         [Int[np.ndarray, " tail"]],
         tuple[Float[np.ndarray, "tail residuals"], Float[np.ndarray, "tail residuals n"]],
-    ] = eqx.field(static=True)
+    ]
     """Residuals and Jacobians of some models at the point."""
 
     @functools.cached_property

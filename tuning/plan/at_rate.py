@@ -31,14 +31,15 @@ def planned(
     """
     samples = int(np.ceil(leg.time / period - 1e-9))
     every = places(leg, period / 4 * np.arange(4 * samples + 1))
-    lower, height = every.lower(coefficients), every.plain.value[:, 1]
+    lower, height = every.lower(coefficients), every.plain[0, :, 1]
     lead = Lead(thirds(lower)[None], thirds(height)[None])
     alone = scenarios(robot, FITTED)
     fitted = Leader(alone.robot)
-    begins = Moment(*(own[:-1:2][None] for own in every.motion(coefficients)))
+    motion = every.motion(coefficients)
+    begins = motion.slope[None, :-1:2]
     halves = fitted.steps(period / 2)
     run, _ = fitted.follow(halves, starts(alone, leg), lead, begins)
-    middles = Moment(*(own[2::4][None] for own in every.motion(coefficients)))
+    middles = Moment(*(own[None, 2::4] for own in motion))
     volts = fitted.commands(run.positions[:, 1::2], middles)
     led = np.stack([lower, height], axis=1)[::4]
     x = np.append(run.positions[0, ::2, 0], leg.end[0])
@@ -47,8 +48,8 @@ def planned(
     angle = np.stack([way[:, 0] + way[:, 1], way[:, 0] - way[:, 1]], axis=1) / radius
     if float(robot.drive.compliance):
         positions = np.concatenate([run.positions[:, ::2], run.end.position[:, None]], axis=1)
-        motion = Moment(*(own[None, ::4] for own in every.motion(coefficients)))
-        ahead = fitted.stretches(positions, motion)
+        sampled = Moment(*(own[None, ::4] for own in motion))
+        ahead = fitted.stretches(positions, sampled)
         # The angles count from the begin, at which nothing has moved yet.
         ahead[0] = 0.0
         angle += ahead[:, None] / radius

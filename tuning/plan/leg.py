@@ -52,11 +52,11 @@ class Leg:
 
 
 class Places(NamedTuple):
-    """A leg's plain profile and its splines at some instants."""
+    """A leg's plain profile and its splines at some instants, with two derivatives each."""
 
-    plain: Moment
+    plain: Float[np.ndarray, "3 n 2"]
     """The plain profile of lower carriage and height [m; m/s; m/s²]."""
-    splines: Moment
+    splines: Float[np.ndarray, "3 n splines"]
     """The splines [1; 1/s; 1/s²]."""
 
     def lower(self, coefficients: Float[np.ndarray, " splines"]) -> Float[np.ndarray, " n"]:
@@ -68,7 +68,20 @@ class Places(NamedTuple):
         Returns:
             Its positions [m].
         """
-        return self.plain.value[:, 0] + self.splines.value @ coefficients
+        return self.plain[0, :, 0] + self.splines[0] @ coefficients
+
+    def velocity(self, coefficients: Float[np.ndarray, " splines"]) -> Float[np.ndarray, "n 2"]:
+        """Led velocities of lower carriage and height.
+
+        Args:
+            coefficients: Of the splines [m].
+
+        Returns:
+            The velocities [m/s].
+        """
+        moved = self.plain[1].copy()
+        moved[:, 0] += self.splines[1] @ coefficients
+        return moved
 
     def motion(self, coefficients: Float[np.ndarray, " splines"]) -> Moment:
         """The led motion of lower carriage and height.
@@ -79,24 +92,9 @@ class Places(NamedTuple):
         Returns:
             Positions, velocities and accelerations [m; m/s; m/s²].
         """
-        aside = (own @ coefficients for own in self.splines)
-        return Moment(
-            *(
-                np.stack([plain[:, 0] + more, plain[:, 1]], axis=1)
-                for plain, more in zip(self.plain, aside, strict=True)
-            )
-        )
-
-    def rows(self, rows: slice) -> "Places":
-        """Those at some of the instants.
-
-        Args:
-            rows: Which.
-
-        Returns:
-            These.
-        """
-        return Places(*(Moment(*(part[rows] for part in own)) for own in self))
+        moved = self.plain.copy()
+        moved[..., 0] += self.splines @ coefficients
+        return Moment(*moved)
 
 
 def places(leg: Leg, time: Float[np.ndarray, " instants"]) -> Places:
@@ -110,6 +108,6 @@ def places(leg: Leg, time: Float[np.ndarray, " instants"]) -> Places:
         Plain profile and splines.
     """
     return Places(
-        plain_moments(leg.course, time),
+        np.stack(plain_moments(leg.course, time)),
         spline_moments(time, duration=leg.moving, count=leg.splines),
     )

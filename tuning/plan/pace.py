@@ -23,55 +23,64 @@ INSTANTS = 40
 """At how many instants of a leg its plain profile's commands are looked at."""
 
 
-def paced(robot: Robot, leg: Leg) -> Leg:
-    """A leg with the first plain profile of `ORDERS` that the drives can follow in its time.
+class Pace:
+    """The plain profiles that the drives of a robot can follow."""
 
-    Args:
-        robot: The robot.
-        leg: The leg.
+    def __init__(self, robot: Robot):
+        """The robot is stacked here, once for all of its legs.
 
-    Returns:
-        The leg with the order of its profile; where none can be followed, with the one that
-        asks the least of the drives.
-    """
-    most = PLAIN_SHARE * float(robot.drive.voltage_limit)
-    legs = [dataclasses.replace(leg, order=order) for order in ORDERS]
-    volts = [plain_voltage(robot, own) for own in legs]
-    first = next((k for k, v in enumerate(volts) if v <= most), int(np.argmin(volts)))
-    return legs[first]
+        Args:
+            robot: The robot.
+        """
+        self._alone = scenarios(robot, FITTED)
+        self._leader = Leader(self._alone.robot)
+        self._most = PLAIN_SHARE * float(robot.drive.voltage_limit)
 
+    def voltage(self, leg: Leg) -> float:
+        """The largest command of a leg's plain profile, the robot lying as at its begin.
 
-def plain_voltage(robot: Robot, leg: Leg) -> float:
-    """The largest command of a leg's plain profile, the robot lying as it does at the begin.
+        Args:
+            leg: The leg.
 
-    Args:
-        robot: The robot.
-        leg: The leg.
+        Returns:
+            Largest command of either drive [V].
+        """
+        time = leg.moving / INSTANTS * np.arange(INSTANTS)
+        value, slope, curvature = plain_moments(leg.course, time)
+        still = np.broadcast_to(leg.course.begin, value.shape)
+        motion = Moment(still[None], slope[None], curvature[None])
+        rest = np.repeat(starts(self._alone, leg).position[:, None], INSTANTS, axis=1)
+        return float(np.max(np.abs(self._leader.commands(rest, motion))))
 
-    Returns:
-        Largest command of either drive [V].
-    """
-    time = leg.moving / INSTANTS * np.arange(INSTANTS)
-    value, slope, curvature = plain_moments(leg.course, time)
-    alone = scenarios(robot, FITTED)
-    still = np.broadcast_to(leg.course.begin, value.shape)
-    motion = Moment(still[None], slope[None], curvature[None])
-    rest = np.repeat(starts(alone, leg).position[:, None], INSTANTS, axis=1)
-    return float(np.max(np.abs(Leader(alone.robot).commands(rest, motion))))
+    def paced(self, leg: Leg) -> Leg:
+        """A leg with the first plain profile of `ORDERS` that can be followed in its time.
 
+        Args:
+            leg: The leg.
 
-def possible(robot: Robot, leg: Leg) -> Leg:
-    """A leg in a time in which the drives can follow some plain profile.
+        Returns:
+            The leg with the order of its profile; where none can be followed, with the one
+            that asks the least of the drives.
+        """
+        asked = {}
+        for order in ORDERS:
+            own = dataclasses.replace(leg, order=order)
+            asked[own] = self.voltage(own)
+            if asked[own] <= self._most:
+                return own
+        return min(asked, key=asked.__getitem__)
 
-    Args:
-        robot: The robot.
-        leg: The leg in the time that is asked for.
+    def possible(self, leg: Leg) -> Leg:
+        """A leg in a time in which some plain profile can be followed.
 
-    Returns:
-        The leg in that time, or in as many steps of `STRETCH` more as the drives need.
-    """
-    most = PLAIN_SHARE * float(robot.drive.voltage_limit)
-    leg = dataclasses.replace(leg, time=max(leg.time, SHORTEST))
-    while plain_voltage(robot, paced(robot, leg)) > most and leg.time < LONGEST:
-        leg = dataclasses.replace(leg, time=leg.time * STRETCH)
-    return leg
+        Args:
+            leg: The leg in the time that is asked for.
+
+        Returns:
+            The leg, `paced`, in that time, or in as many steps of `STRETCH` more as the drives
+            need.
+        """
+        own = self.paced(dataclasses.replace(leg, time=max(leg.time, SHORTEST)))
+        while self.voltage(own) > self._most and own.time < LONGEST:
+            own = self.paced(dataclasses.replace(own, time=own.time * STRETCH))
+        return own

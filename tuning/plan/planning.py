@@ -32,7 +32,7 @@ from scdpr_jax.robot.quantities import replace
 from tuning.plan.at_rate import planned
 from tuning.plan.expectation import ROBOTS, Expectation, expectation
 from tuning.plan.leg import Leg
-from tuning.plan.pace import paced, possible
+from tuning.plan.pace import Pace
 from tuning.plan.plan import Plan
 from tuning.plan.search.misfit import Misfit
 from tuning.plan.search.scenarios import scenarios
@@ -175,7 +175,7 @@ class Planner:
             robot: The fitted robot, with exact friction.
             controller: The PD controller that it runs under.
         """
-        self._robot, self._controller = robot, controller
+        self._robot, self._controller, self._pace = robot, controller, Pace(robot)
         # A list of legs shares them; a leg alone needs but one kind.
         self._models = functools.cache(lambda told: models(robot, controller, told=told))
         self._judges = functools.cache(lambda told: scenarios(robot, ROBOTS, told=told))
@@ -197,7 +197,7 @@ class Planner:
         robot, controller, told = self._robot, self._controller, wanted.slope is not None
         time = LEG_TIME if wanted.time is None else wanted.time
         leg = Leg(wanted.start, wanted.end, time, wanted.slope or 0.0)
-        found, coefficients = _motion(robot, self._models(told), possible(robot, leg), progress)
+        found, coefficients = _motion(self._pace, self._models(told), leg, progress)
         progress("what is expected of it", 0.9)
         period = float(controller.period)
         rigid = planned(_rigid(robot), found, coefficients, period=period)
@@ -266,17 +266,17 @@ def _rigid(robot: Robot) -> Robot:
 
 
 def _motion(
-    robot: Robot, about: Models, leg: Leg, progress: Progress
+    pace: Pace, about: Models, leg: Leg, progress: Progress
 ) -> tuple[Leg, Float[np.ndarray, " splines"]]:
     """A leg's motion, in the first time in which the fitted robot has a good one."""
+    leg = pace.possible(leg)
     for attempt in range(ATTEMPTS):
-        leg = paced(robot, leg)
         progress(f"motion in {leg.time:.3g} s", 0.2 * attempt / ATTEMPTS)
         alone = about.fitted.misfit(leg, COARSE)
         first = descend(alone, np.zeros(leg.splines), FIRST).point
         if attempt == ATTEMPTS - 1 or _is_good(alone, first):
             break
-        leg = dataclasses.replace(leg, time=leg.time * LONGER)
+        leg = pace.paced(dataclasses.replace(leg, time=leg.time * LONGER))
     progress(f"motion in {leg.time:.3g} s for robots as they might be", 0.2)
     fine = about.every.misfit(leg, FINE)
     return leg, min(search(leg, about), first, key=fine.cost)

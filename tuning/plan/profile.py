@@ -183,7 +183,7 @@ def pace_values(
 
 def spline_moments(
     time: Float[np.ndarray, " instants"], *, duration: float, count: int
-) -> Moment:
+) -> Float[np.ndarray, "3 instants splines"]:
     """All splines of a leg at some instants.
 
     Args:
@@ -192,7 +192,7 @@ def spline_moments(
         count: Number of the splines.
 
     Returns:
-        Values and derivatives, a row for each instant and a column for each spline.
+        Values [1] and two derivatives [1/s; 1/s²].
     """
     about = (np.array([duration]), np.array([float(count)]))
     _, (first, active) = native.Runs(_spline_rows, about)((), time[None])
@@ -202,7 +202,7 @@ def spline_moments(
     made = np.zeros((3, time.size, count))
     for whole, own in zip(made, active, strict=True):
         whole[rows[there], columns[there]] = own[0][there]
-    return Moment(*made)
+    return made
 
 
 def _spline_rows(

@@ -5,7 +5,6 @@ import functools
 
 import numpy as np
 from jaxtyping import Float
-from scipy.signal import savgol_filter
 
 from scdpr_jax.engines.led_stepping import Lead, thirds
 from scdpr_jax.robot.fields import si
@@ -116,5 +115,8 @@ def _derivative(
     halves: Float[np.ndarray, "halves 2"], order: int, window: float
 ) -> Float[np.ndarray, "halves 2"]:
     """A derivative of cubics through windows."""
+    # It brings `scipy.stats`, which takes as long to load as all else of a plan.
+    from scipy.signal import savgol_filter
+
     count = 2 * round(window / STEP) + 1
     return savgol_filter(halves, count, 3, deriv=order, delta=STEP / 2, axis=0)

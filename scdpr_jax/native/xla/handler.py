@@ -125,7 +125,7 @@ kept:
 %others = sub i64 %useful, 1
 %users = add i64 %useful, 1"""
         for place, word in enumerate(TASK):
-            value = "0" if word in ("next", "done") else f"%{word}"
+            value = "0" if word in ("next", "done", "begun") else f"%{word}"
             yield from self._store(f"i64 {value}", "%task", 8 * place)
 
     def _shared(self) -> Iterator[str]:

@@ -7,6 +7,9 @@ import pytest
 
 from scdpr_jax import native
 from scdpr_jax.native import Runs, Slopes, machine
+from scdpr_jax.native.traced import trace
+
+ROW = jax.ShapeDtypeStruct((3,), float)
 
 
 def swing(stiffness, state, push):
@@ -75,6 +78,32 @@ def test_its_derivatives_are_those_of_jvp(way, tangents):
             own = jax.tree.map(lambda leaf, r=robot, t=tangent: leaf[r][..., t], tuple(slopes))
             for a, b in zip(jax.tree.leaves(own), jax.tree.leaves(other), strict=True):
                 np.testing.assert_allclose(a, b, rtol=1e-11, atol=1e-12)
+
+
+@pytest.mark.parametrize("tangents", [3, 41])
+def test_tangents_that_have_not_begun_may_be_left_out(way, tangents):
+    stiffness, start, push = drawn(5, 6)
+    begun = np.array([0, 1, 1, 2, tangents - 1, tangents])
+    waits = np.arange(tangents)[:, None] >= begun
+    pushed = np.where(waits, 0.0, np.random.default_rng(2).normal(size=waits.shape))[None]
+    along = Slopes((np.zeros((1, 1)), np.zeros((1, 1))), pushed)
+    runs = Runs(swing, stiffness)
+    made = runs.linearised(start, push, along=along, begun=begun)
+    wanted = runs.linearised(start, push, along=along)
+    for own, other in zip(jax.tree.leaves(made), jax.tree.leaves(wanted), strict=True):
+        np.testing.assert_array_equal(own, other)
+
+
+def test_a_step_has_the_same_name_whenever_it_is_traced():
+    def parted(size):
+        def step(_, state, row):
+            first, second = jnp.split(row, np.array([size]))
+            return state + first[0], second
+
+        return trace(step, (), jax.ShapeDtypeStruct((), float), ROW).step.name
+
+    assert parted(1) == parted(1)
+    assert parted(1) != parted(2)
 
 
 def test_what_a_step_closes_over_is_refused():

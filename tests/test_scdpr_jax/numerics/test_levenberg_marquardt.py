@@ -1,5 +1,6 @@
 """The one search on problems with known minima, and its step in NumPy and compiled."""
 
+import dataclasses
 import itertools
 import math
 
@@ -191,6 +192,7 @@ def test_a_sum_with_a_derivative_that_is_not_finite_is_infinite(bad):
     assert SumOfSquares(np.array([bad]), np.ones((1, 1))).cost == math.inf
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
 class Lazy(Merit):
     """A parabola that notes where its derivatives are asked for."""
 

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from scdpr_jax import native
 from scdpr_jax.engines.led_stepping import Lead, Undriven, step, whole_position
@@ -61,7 +61,11 @@ class Leader:
         return native.Runs(_advance, (self._robot, np.array([duration])))
 
     def follow(
-        self, steps: native.Runs, start: Undriven, lead: Lead, motion: Moment
+        self,
+        steps: native.Runs,
+        start: Undriven,
+        lead: Lead,
+        velocity: Float[np.ndarray, "1 steps 2"],
     ) -> Inverted:
         """The robot led along a leg.
 
@@ -69,12 +73,12 @@ class Leader:
             steps: See `steps`.
             start: Where it begins.
             lead: Where it is led, a row for each step.
-            motion: Of lower carriage and height at the beginnings, behind an axis of robots.
+            velocity: Of lower carriage and height as the steps begin [m/s].
 
         Returns:
             What it does.
         """
-        end, (positions, force) = steps(start, (lead, motion.slope))
+        end, (positions, force) = steps(start, (lead, velocity))
         return Inverted(Followed(end, _none(1), positions), force)
 
     def follow_linearised(
@@ -82,9 +86,10 @@ class Leader:
         steps: native.Runs,
         start: Undriven,
         lead: Lead,
-        motion: Moment,
+        velocity: Float[np.ndarray, "1 steps 2"],
         *,
         along: Float[np.ndarray, "splines steps 3"],
+        begun: Int[np.ndarray, " steps"],
     ) -> tuple[Inverted, Inverted]:
         """The same with derivatives by the coefficients of splines.
 
@@ -92,8 +97,9 @@ class Leader:
             steps: See `steps`.
             start: Where it begins.
             lead: Where it is led.
-            motion: Of lower carriage and height at the beginnings.
+            velocity: Of lower carriage and height as the steps begin [m/s].
             along: What each spline does to the lead's lower carriage [1].
+            begun: How many of the splines have begun by the end of each step.
 
         Returns:
             What it does, and the derivatives.
@@ -101,7 +107,7 @@ class Leader:
         still = np.zeros((1, 1, 3))
         seeds = Slopes(Undriven(still, still), (Lead(along[None], None), None))
         (end, (positions, force)), slopes = steps.linearised(
-            start, (lead, motion.slope), along=seeds
+            start, (lead, velocity), along=seeds, begun=begun
         )
         none = np.zeros((1, len(along)))
         moved, pulled = slopes.rows
@@ -207,6 +213,7 @@ class Followers:
         led: Led,
         *,
         along: tuple[Float[np.ndarray, "splines steps 3"], Float[np.ndarray, "1 splines n"]],
+        begun: Int[np.ndarray, " steps"],
     ) -> tuple[Followed, Followed]:
         """The same with derivatives by the coefficients of splines.
 
@@ -216,6 +223,7 @@ class Followers:
             led: Where each is led.
             along: What each spline does to the lead's lower carriage [1] and to the fitted
                 robot's force [N/m].
+            begun: How many of the splines have begun by the end of each step.
 
         Returns:
             What they do, and the derivatives.
@@ -227,7 +235,7 @@ class Followers:
             Led(Lead(way[None], None), None, forces),
         )
         ((end, aside), positions), slopes = steps.linearised(
-            (start, _none(1)), led, along=seeds
+            (start, _none(1)), led, along=seeds, begun=begun
         )
         return Followed(end, aside, positions), Followed(*slopes.carried, slopes.rows)
 

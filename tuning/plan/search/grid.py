@@ -30,14 +30,24 @@ class Grid:
         return self.leg.time / self.steps
 
     @functools.cached_property
-    def halves(self) -> Places:
+    def _halves(self) -> Places:
         """The leg at every half step."""
         return places(self.leg, self.duration / 2 * np.arange(2 * self.steps + 1))
 
     @functools.cached_property
-    def begins(self) -> Places:
+    def _begins(self) -> Places:
         """The leg at the beginnings of the steps."""
-        return self.halves.rows(slice(0, 2 * self.steps, 2))
+        return Places(*(own[:, :-1:2] for own in self._halves))
+
+    @functools.cached_property
+    def _plain(self) -> Float[np.ndarray, "steps 3 2"]:
+        """The plain profile of lower carriage and height in the steps [m]."""
+        return thirds(self._halves.plain[0])
+
+    @functools.cached_property
+    def _splines(self) -> Float[np.ndarray, "steps 3 splines"]:
+        """The splines in the steps [1]."""
+        return thirds(self._halves.splines[0])
 
     @functools.cached_property
     def moving(self) -> int:
@@ -81,11 +91,13 @@ class Grid:
     @functools.cached_property
     def along(self) -> Float[np.ndarray, "splines steps 3"]:
         """What each spline does to where the lower carriage is led."""
-        return np.ascontiguousarray(np.moveaxis(thirds(self.halves.splines.value), 2, 0))
+        return np.ascontiguousarray(np.moveaxis(self._splines, 2, 0))
 
     @functools.cached_property
-    def _height(self) -> Float[np.ndarray, "1 steps 3"]:
-        return thirds(self.halves.plain.value[:, 1])[None]
+    def begun(self) -> Int[np.ndarray, " steps"]:
+        """How many splines have begun by the end of each step."""
+        first = np.argmax(np.any(self._splines != 0, axis=1), axis=0)
+        return np.searchsorted(first, np.arange(self.steps), side="right")
 
     def lead(self, point: Float[np.ndarray, " splines"]) -> Lead:
         """Where the fitted robot is led.
@@ -96,18 +108,19 @@ class Grid:
         Returns:
             A row for each step, behind an axis of robots.
         """
-        return Lead(thirds(self.halves.lower(point))[None], self._height)
+        lower, height = np.moveaxis(self._plain, -1, 0)
+        return Lead((lower + self._splines @ point)[None], height[None])
 
-    def motion(self, point: Float[np.ndarray, " splines"]) -> Moment:
-        """The led motion at the beginnings of the steps, behind an axis of robots.
+    def velocity(self, point: Float[np.ndarray, " splines"]) -> Float[np.ndarray, "1 steps 2"]:
+        """Velocities of lower carriage and height as the steps begin.
 
         Args:
             point: Coefficients of the splines [m].
 
         Returns:
-            Positions, velocities and accelerations [m; m/s; m/s²].
+            The velocities, behind an axis of robots [m/s].
         """
-        return Moment(*(own[None] for own in self.begins.motion(point)))
+        return self._begins.velocity(point)[None]
 
     def commanded_motion(self, point: Float[np.ndarray, " splines"]) -> Moment:
         """The same at `commanded`.
@@ -121,7 +134,7 @@ class Grid:
         return Moment(*(own[None] for own in self.looked_at.motion(point)))
 
 
-def _aside(splines: Moment) -> Moment:
+def _aside(splines: Float[np.ndarray, "3 n splines"]) -> Moment:
     """Tangents of lower carriage and height, which the splines leave alone."""
     pairs = (np.stack([own.T, np.zeros_like(own.T)], axis=-1) for own in splines)
     return Moment(*(np.ascontiguousarray(own[None]) for own in pairs))

@@ -13,7 +13,6 @@ from tuning.plan.led.arrival import Arrival, Goal
 from tuning.plan.led.following import Arriving, Followed, Followers, Leader
 from tuning.plan.led.servo import Deviation, Led
 from tuning.plan.leg import Leg
-from tuning.plan.profile import Moment
 from tuning.plan.search.grid import Grid
 from tuning.plan.search.scenarios import Scenarios, goals, shifts, starts
 
@@ -112,12 +111,12 @@ class Misfit:
         Returns:
             Their run.
         """
-        lead, motion = self.grid.lead(point), self.grid.motion(point)
+        lead, velocity = self.grid.lead(point), self.grid.velocity(point)
         first, others = self._starts
-        own, force = self.leader.follow(self._leading, first, lead, motion)
+        own, force = self.leader.follow(self._leading, first, lead, velocity)
         if self.followers is None:
             return own
-        led = self._led(lead, motion, force)
+        led = self._led(lead, velocity, force)
         return _joined(own, self.followers.follow(self._following, others, led))
 
     def commands(
@@ -165,10 +164,11 @@ class Misfit:
         Returns:
             A row for each residual.
         """
-        lead, motion, grid = self.grid.lead(point), self.grid.motion(point), self.grid
+        grid = self.grid
+        lead, velocity = grid.lead(point), grid.velocity(point)
         first, others = self._starts
         (own, force), slopes = self.leader.follow_linearised(
-            self._leading, first, lead, motion, along=grid.along
+            self._leading, first, lead, velocity, along=grid.along, begun=grid.begun
         )
         run, along = _looked_at(own, grid), _looked_at(slopes.run, grid)
         if self.followers is not None:
@@ -176,8 +176,9 @@ class Misfit:
             more, their = self.followers.follow_linearised(
                 self._following,
                 others,
-                self._led(lead, motion, force),
+                self._led(lead, velocity, force),
                 along=(grid.along, pulled),
+                begun=grid.begun,
             )
             run = _joined(run, _looked_at(more, grid))
             along = _joined(along, _looked_at(their, grid))
@@ -201,9 +202,14 @@ class Misfit:
             ]
         )
 
-    def _led(self, lead: Lead, motion: Moment, force: Float[np.ndarray, "1 steps"]) -> Led:
+    def _led(
+        self,
+        lead: Lead,
+        velocity: Float[np.ndarray, "1 steps 2"],
+        force: Float[np.ndarray, "1 steps"],
+    ) -> Led:
         """What the others are told."""
-        return Led(Lead(lead.lower + self._shifts, lead.height), motion.slope[..., 0], force)
+        return Led(Lead(lead.lower + self._shifts, lead.height), velocity[..., 0], force)
 
     def _arrived(self, ends: Arrival) -> list[np.ndarray]:
         weight, resting = self.robots.weight, self.robots.resting
@@ -247,7 +253,7 @@ class Misfit:
         place = looked_at.lower(point)
         out = np.maximum(np.maximum(low - place, place - high), 0.0)
         side = np.where(out > 0, np.sign(place - low), 0.0)
-        return out, side[:, None] * looked_at.splines.value
+        return out, side[:, None] * looked_at.splines[0]
 
 
 def _by_robot(factor: Float[np.ndarray, " robots"], own: np.ndarray) -> np.ndarray:
@@ -272,6 +278,7 @@ def _looked_at(run: Followed, grid: Grid) -> Followed:
     return run._replace(positions=run.positions[:, grid.tracked])
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
 class Motion(Merit):
     """The misfit of a motion; its derivatives are made when they are asked for."""
 
