@@ -15,9 +15,10 @@ import numpy as np
 from jaxtyping import Int, PyTree
 
 from scdpr_jax.native import machine, primitive
+from scdpr_jax.native.kept.traces import kept_trace
 from scdpr_jax.native.kernel import TASK
 from scdpr_jax.native.running import Carry, Inputs, Outputs, Parameters
-from scdpr_jax.native.traced import Step, StepFunction, Traced, trace
+from scdpr_jax.native.traced import Step, StepFunction, Traced
 
 
 class Slopes(NamedTuple):
@@ -145,7 +146,7 @@ def _traced(
     shapes: tuple[tuple[int, ...], ...],
 ) -> Traced:
     likes = iter([jax.ShapeDtypeStruct(shape, np.float64) for shape in shapes])
-    return trace(
+    return kept_trace(
         step,
         *(
             jax.tree.unflatten(own, list(itertools.islice(likes, own.num_leaves)))

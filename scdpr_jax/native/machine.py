@@ -1,8 +1,6 @@
 """Machine code of a step: made, or found on disk, and made known to XLA."""
 
-import functools
 import hashlib
-import pathlib
 import platform
 import sys
 import threading
@@ -11,7 +9,8 @@ from typing import NamedTuple
 
 import jax
 
-from scdpr_jax.native import store
+from scdpr_jax.native.kept import store
+from scdpr_jax.native.kept.names import fingerprint
 from scdpr_jax.native.kernel import Kernel
 from scdpr_jax.native.scalar.differentiation import PREFIX, differentiated
 from scdpr_jax.native.scalar.elementary import vectorised
@@ -21,7 +20,6 @@ from scdpr_jax.native.scalar.sinking import sunk
 from scdpr_jax.native.scalar.tangent_loops import loop_over_tangents
 from scdpr_jax.native.traced import Step
 from scdpr_jax.native.xla.handler import handler_ir
-from scdpr_jax.native.xla.interface import header
 
 CHECKED = ("linux", "x86_64")
 """The system and the processor that this was checked on."""
@@ -159,27 +157,6 @@ def _processor() -> object:
         opt=2,
         jit=True,
     )
-
-
-@functools.cache
-def fingerprint() -> bytes:
-    """What all machine code depends on: these sources, versions and the processor.
-
-    Returns:
-        A hash.
-
-    Raises:
-        ImportError: If there is no llvmlite.
-        OSError: If there is no header of XLA's interface.
-    """
-    import llvmlite
-    import llvmlite.binding as llvm
-
-    files = sorted(pathlib.Path(__file__).parent.rglob("*.py"))
-    processor = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())
-    versions = (jax.__version__, llvmlite.__version__, llvm.llvm_version_info)
-    about = repr((versions, processor, header())).encode()
-    return hashlib.sha256(b"".join([*(file.read_bytes() for file in files), about])).digest()
 
 
 def kernel(step: Step, wanted: Wanted, *, name: str, lanes: int) -> Kernel:

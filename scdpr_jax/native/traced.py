@@ -1,6 +1,7 @@
 """A step traced once: its jaxpr, which of its arrays are what, and a name for all of it."""
 
 import enum
+import functools
 import hashlib
 import types
 import uuid
@@ -25,14 +26,18 @@ StepFunction = Callable[[Any, Any, Any], tuple[Any, Any]]
 class Step:
     """A step as a jaxpr: equal to another one that does the same, in any process."""
 
-    closed: ClosedJaxpr
-    """From parameters, carried arrays and a row of each input to carried arrays and outputs."""
+    name: str
+    """A hash of the jaxpr, and of which of its arrays are what."""
     parameters: int
     """How many arrays are the same in all steps."""
     carried: int
     """How many arrays are carried from step to step."""
-    name: str
-    """A hash of the jaxpr, and of which of its arrays are what."""
+    arguments: dict[str, tuple[int, ...]]
+    """Names of all arguments, and their shapes: parameters, what is carried, inputs."""
+    results: dict[str, tuple[int, ...]]
+    """Names of all results, and their shapes: what is carried on, outputs."""
+    equations: Callable[[], ClosedJaxpr]
+    """Its jaxpr; traced when it is asked for, where the rest was kept."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Step) and self.name == other.name
@@ -43,27 +48,10 @@ class Step:
     def __repr__(self) -> str:
         return f"Step({self.name})"
 
-    @property
-    def arguments(self) -> dict[str, tuple[int, ...]]:
-        """Names of all arguments, and their shapes."""
-        shapes = [tuple(own.aval.shape) for own in self.closed.jaxpr.invars]
-        inputs = len(shapes) - self.parameters - self.carried
-        names = [
-            *(f"parameter{i}" for i in range(self.parameters)),
-            *(f"carry{i}" for i in range(self.carried)),
-            *(f"input{i}" for i in range(inputs)),
-        ]
-        return dict(zip(names, shapes, strict=True))
-
-    @property
-    def results(self) -> dict[str, tuple[int, ...]]:
-        """Names of all results, and their shapes."""
-        shapes = [tuple(own.shape) for own in self.closed.out_avals]
-        names = [
-            *(f"next{i}" for i in range(self.carried)),
-            *(f"output{i}" for i in range(len(shapes) - self.carried)),
-        ]
-        return dict(zip(names, shapes, strict=True))
+    @functools.cached_property
+    def closed(self) -> ClosedJaxpr:
+        """From parameters, carried arrays and inputs to carried arrays and outputs."""
+        return self.equations()
 
 
 class Traced(NamedTuple):
@@ -135,7 +123,26 @@ def _traced(
     parameters, carried = count[0] + len(constants), count[1]
     about = [f"{parameters} parameters, {carried} carried", *_described(closed)]
     name = hashlib.sha256("\n".join(about).encode()).hexdigest()
-    return Traced(Step(closed, parameters, carried, name), constants, outputs)
+    step = Step(
+        name,
+        parameters,
+        carried,
+        _named(closed.in_avals, {"parameter": parameters, "carry": carried}, "input"),
+        _named(closed.out_avals, {"next": carried}, "output"),
+        lambda: closed,
+    )
+    return Traced(step, constants, outputs)
+
+
+def _named(
+    every: Sequence[Any], first: dict[str, int], rest: str
+) -> dict[str, tuple[int, ...]]:
+    """Names of arrays by what they are and their place among these, with their shapes."""
+    kinds = [kind for kind, count in first.items() for _ in range(count)]
+    kinds += [rest] * (len(every) - len(kinds))
+    places = (kinds[:i].count(kind) for i, kind in enumerate(kinds))
+    names = (f"{kind}{place}" for kind, place in zip(kinds, places, strict=True))
+    return {name: tuple(own.shape) for name, own in zip(names, every, strict=True)}
 
 
 def _is_parameter(constant: Any) -> bool:

@@ -10,6 +10,7 @@ import pytest
 
 from scdpr_jax import native
 from scdpr_jax.native import machine, primitive
+from scdpr_jax.native.kept import names
 from scdpr_jax.native.xla import handler, interface
 
 INPUTS = jnp.linspace(0.0, 1.0, 20)
@@ -86,7 +87,7 @@ def test_without_llvmlite(monkeypatch):
 def test_where_xla_has_no_header(monkeypatch, tmp_path):
     monkeypatch.setattr(jax.ffi, "include_dir", lambda: str(tmp_path))
     interface.header.cache_clear()
-    machine.fingerprint.cache_clear()
+    names.fingerprint.cache_clear()
     assert_runs_by_xla_and_says("c_api.h", 1.25)
     interface.header.cache_clear()
 
@@ -102,11 +103,11 @@ def test_where_xla_has_no_header(monkeypatch, tmp_path):
 def test_where_xla_speaks_another_version(monkeypatch, old, new, message, number):
     changed = interface.header().replace(old, new)
     assert changed != interface.header()
-    for module in (machine, handler):
+    for module in (names, handler):
         monkeypatch.setattr(module, "header", lambda: changed)
-    machine.fingerprint.cache_clear()
+    names.fingerprint.cache_clear()
     assert_runs_by_xla_and_says(message, number)
-    machine.fingerprint.cache_clear()
+    names.fingerprint.cache_clear()
 
 
 def test_on_an_unchecked_system_nothing_is_said(monkeypatch):

@@ -16,8 +16,8 @@ from jaxtyping import Array
 
 from scdpr_jax.command.controller import PD, PDState
 from scdpr_jax.engines.led_stepping import Lead, Undriven, step, whole_position
-from scdpr_jax.native import store
-from scdpr_jax.native.kept_programs import sources
+from scdpr_jax.native.kept import store
+from scdpr_jax.native.kept.names import sources
 from scdpr_jax.native.machine import fingerprint, scalar_program
 from scdpr_jax.native.printers.c99 import INCLUDES, c99
 from scdpr_jax.native.traced import trace

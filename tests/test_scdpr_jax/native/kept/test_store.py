@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from scdpr_jax import native
-from scdpr_jax.native import machine, store
+from scdpr_jax.native.kept import names, store
 
 INPUTS = jnp.linspace(0.0, 1.0, 20)
 
@@ -115,8 +115,8 @@ def test_a_name_depends_on_all_that_code_depends_on(monkeypatch):
 
     assert name(2.0) == name(2.0)
     assert name(2.0) != name(np.nextafter(2.0, 3.0))
-    before = machine.fingerprint()
-    machine.fingerprint.cache_clear()
-    monkeypatch.setattr(machine, "header", lambda: "another")
-    assert machine.fingerprint() != before
-    machine.fingerprint.cache_clear()
+    before = names.fingerprint()
+    names.fingerprint.cache_clear()
+    monkeypatch.setattr(names, "header", lambda: "another")
+    assert names.fingerprint() != before
+    names.fingerprint.cache_clear()

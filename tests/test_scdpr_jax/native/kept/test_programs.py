@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from scdpr_jax import native
-from scdpr_jax.native import kept_programs, store
+from scdpr_jax.native.kept import names, store
 
 _TRACED: list[str] = []
 """A word for every time that a function was traced."""
@@ -97,14 +97,14 @@ def test_a_program_whose_machine_code_is_gone_is_made_anew(cache, tmp_path):
         import jax
         jax.config.update("jax_enable_x64", True)
         jax.config.update("jax_compilation_cache_dir", sys.argv[1])
-        from tests.test_scdpr_jax.native import test_kept_programs as own
+        from tests.test_scdpr_jax.native.kept import test_programs as own
         print(own.native.kept_jit(own.driven)(own.PARAMETERS, own.FORCES, 1.0)["last"][0])
         print(len(own._TRACED))
         """)
     )
 
     def told():
-        root = pathlib.Path(kept_programs.__file__).parents[2]
+        root = pathlib.Path(names.__file__).parents[3]
         call = [sys.executable, script, str(cache.parent)]
         run = subprocess.run(
             call,
@@ -133,7 +133,7 @@ def test_a_function_inside_of_another_is_not_kept(cache):
 
 def test_another_source_is_another_program(cache, monkeypatch):
     native.kept_jit(driven)(PARAMETERS, FORCES, 1.0)
-    monkeypatch.setattr(kept_programs, "sources", lambda package: b"edited")
+    monkeypatch.setattr(names, "sources", lambda package: b"edited")
     native.kept_jit(driven)(PARAMETERS, FORCES, 1.0)
     assert len(programs(cache)) == 2
 

@@ -8,14 +8,10 @@ code (`machine`), which is kept beside it.
 """
 
 import functools
-import hashlib
-import importlib
-import inspect
 import json
-import pathlib
 import re
 import threading
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, Generic, ParamSpec, TypeVar
 
 import equinox as eqx
@@ -23,7 +19,9 @@ import jax
 import numpy as np
 from jaxtyping import PyTree
 
-from scdpr_jax.native import machine, store
+from scdpr_jax.native import machine
+from scdpr_jax.native.kept import store
+from scdpr_jax.native.kept.names import lasting_name
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
@@ -32,8 +30,6 @@ Program = Callable[..., Any]
 """From arrays to a tree of arrays."""
 
 _HANDLERS = re.compile(rf"\b{machine.HANDLER}[0-9a-f]{{40}}\b")
-_UNNAMED = re.compile(r" at 0x[0-9a-f]+|<lambda>|<locals>")
-"""What tells that a description holds in this process alone."""
 
 
 def kept_jit(function: Callable[Given, Result]) -> "KeptJit[Given, Result]":
@@ -92,7 +88,8 @@ class KeptJit(Generic[Given, Result]):
         with own:
             # Whoever else asks for it meanwhile waits.
             if kind not in self._programs:
-                file = _file([self._function, *others], repr((kind[1:], str(structure))))
+                about = repr((kind[1:], str(structure)))
+                file = lasting_name("program", [self._function, *others], about)
                 flat = self._flat(structure, static)
                 self._programs[kind] = _compiled(flat, leaves, file)
         return self._programs[kind]
@@ -132,41 +129,3 @@ def _loaded(code: bytes | None) -> jax.export.Exported | None:
     if not all(map(machine.register_kept, json.loads(handlers))):
         return None
     return jax.export.deserialize(bytearray(program))
-
-
-def _file(parts: Iterable[Any], about: str) -> str:
-    """Name of a program's file; empty if what it depends on has no name that lasts."""
-    functions = [part for part in parts if inspect.isroutine(part) or isinstance(part, type)]
-    names = [f"{part.__module__}.{part.__qualname__}" for part in functions]
-    for part in functions:
-        about = about.replace(repr(part), "")
-    about = " ".join([*names, about])
-    if _UNNAMED.search(about):
-        return ""
-    try:
-        texts = [sources(name) for name in sorted({n.split(".")[0] for n in names})]
-        depends = (machine.fingerprint(), *texts, jax.default_backend().encode())
-    except (ImportError, OSError):
-        return ""
-    return "program_" + hashlib.sha256(b"".join([*depends, about.encode()])).hexdigest()[:40]
-
-
-@functools.cache
-def sources(package: str) -> bytes:
-    """A hash of a package's sources, of those of this one, and of versions.
-
-    Args:
-        package: The package's name.
-
-    Returns:
-        The hash.
-    """
-    folders = {pathlib.Path(*importlib.import_module(own).__path__) for own in {package, _OWN}}
-    files = sorted(file for folder in folders for file in folder.rglob("*.py"))
-    versions = f"{jax.__version__} {eqx.__version__} {np.__version__}"
-    return hashlib.sha256(
-        b"".join([*(file.read_bytes() for file in files), versions.encode()])
-    ).digest()
-
-
-_OWN = __name__.split(".")[0]
