@@ -50,7 +50,7 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         self._parameters = [np.ascontiguousarray(leaf, float) for leaf in leaves]
         # They stay where they are, so that only what is new is looked up in each call.
         self._words = [word for own in self._parameters for word in _own_words(own)]
-        self._traced: dict[Hashable, Traced] = {}
+        self._traced: dict[Hashable, tuple[Step, jax.tree_util.PyTreeDef]] = {}
         self._robots = max(map(len, self._parameters), default=1)
 
     def __call__(self, start: Carry, inputs: Inputs) -> tuple[Carry, Outputs]:
@@ -63,9 +63,8 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         Returns:
             What the last step carries on and the outputs, likewise.
         """
-        traced, operands = self._given(start, inputs)
-        made = self._made(traced.step, operands, (), (), None)
-        return jax.tree.unflatten(jax.tree.structure(traced.outputs), made)
+        step, structure, operands = self._given(start, inputs)
+        return jax.tree.unflatten(structure, self._made(step, operands, (), (), None))
 
     def linearised(
         self,
@@ -88,26 +87,27 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         Returns:
             Results, and derivatives, which have an axis of tangents last.
         """
-        traced, operands = self._given(start, inputs)
+        step, structure, operands = self._given(start, inputs)
         leaves = jax.tree.leaves(tuple(along), is_leaf=lambda own: own is None)
-        seeds = [None] * traced.step.parameters + leaves
+        seeds = [None] * step.parameters + leaves
         moving = tuple(seed is not None for seed in seeds)
         given = [np.ascontiguousarray(seed, float) for seed in seeds if seed is not None]
-        made = self._made(traced.step, operands, moving, given, begun)
-        count, structure = len(made) // 2, jax.tree.structure(traced.outputs)
+        made = self._made(step, operands, moving, given, begun)
+        count = len(made) // 2
         values, slopes = (
             jax.tree.unflatten(structure, own) for own in (made[:count], made[count:])
         )
         return values, Slopes(*slopes)
 
-    def _given(self, start: Carry, inputs: Inputs) -> tuple[Traced, Sequence[np.ndarray]]:
-        """The step for such arrays, and these behind one another."""
+    def _given(
+        self, start: Carry, inputs: Inputs
+    ) -> tuple[Step, jax.tree_util.PyTreeDef, Sequence[np.ndarray]]:
+        """The step for such arrays, the structure of its results, and these arrays."""
         carried, first = jax.tree.flatten(start)
         rows, second = jax.tree.flatten(inputs)
-        arrays = [np.ascontiguousarray(leaf, float) for leaf in (*carried, *rows)]
-        shapes = tuple(
-            own.shape[1 if i < len(carried) else 2 :] for i, own in enumerate(arrays)
-        )
+        held = [np.ascontiguousarray(leaf, float) for leaf in carried]
+        told = [np.ascontiguousarray(leaf, float) for leaf in rows]
+        shapes = (*[own.shape[1:] for own in held], *[own.shape[2:] for own in told])
         kind = (first, second, shapes)
         if kind not in self._traced:
             given = tuple(own.shape[1:] for own in self._parameters)
@@ -118,8 +118,8 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
                     f"the step {self._step.__name__} closes over {len(traced.constants)} "
                     "arrays, expected none. Give it what it needs through its parameters."
                 )
-            self._traced[kind] = traced
-        return self._traced[kind], arrays
+            self._traced[kind] = traced.step, jax.tree.structure(traced.outputs)
+        return *self._traced[kind], held + told
 
     def _made(
         self,
@@ -186,7 +186,7 @@ class _Code:
 
     def __call__(
         self,
-        parameters: Sequence[int],
+        parameters: list[int],
         robots: int,
         operands: Sequence[np.ndarray],
         seeds: Sequence[np.ndarray],
@@ -200,22 +200,26 @@ class _Code:
         ]
         slopes = [np.zeros((*own.shape, tangents)) for own in results] if seeds else []
         groups = -(-robots // self.lanes)
-        words = dict.fromkeys(TASK, 0)
-        words |= {"last": robots - 1, "steps": steps, "tangents": tangents, "groups": groups}
+        words = {"last": robots - 1, "steps": steps, "tangents": tangents, "groups": groups}
         if begun is not None:
             begun = np.ascontiguousarray(begun, np.int64)
             words["begun"] = _place(begun)
-        arrays = itertools.chain(
-            *map(_own_words, operands),
-            *map(_seed_words, seeds),
-            *map(_own_words, results),
-            *map(_own_words, slopes),
-        )
-        task = np.array([*words.values(), *parameters, *arrays], np.int64)
+        numbers = [words.get(word, 0) for word in TASK] + parameters
+        for own in operands:
+            numbers += _own_words(own)
+        for own in seeds:
+            numbers += _seed_words(own)
+        for own in itertools.chain(results, slopes):
+            numbers += _own_words(own)
+        task = np.array(numbers, np.int64)
         place = _place(task)
         for group in range(groups):
             self.group(place, group)
         return [*results, *slopes]
+
+
+_BYTES = 8
+"""Of a number."""
 
 
 def _place(own: np.ndarray) -> int:
@@ -224,10 +228,10 @@ def _place(own: np.ndarray) -> int:
 
 def _own_words(own: np.ndarray) -> tuple[int, int, int]:
     """Where an array is, and how far apart its robots are; tangents, if any, come last."""
-    return _place(own), 0 if len(own) == 1 else own[0].size, 1
+    return _place(own), 0 if own.shape[0] == 1 else own.strides[0] // _BYTES, 1
 
 
 def _seed_words(own: np.ndarray) -> tuple[int, int, int]:
     """The same of tangents, which are behind the robots."""
-    tangent = 0 if own.shape[1] == 1 else own[0, 0].size
-    return _place(own), 0 if len(own) == 1 else own[0].size, tangent
+    tangent = 0 if own.shape[1] == 1 else own.strides[1] // _BYTES
+    return _place(own), 0 if own.shape[0] == 1 else own.strides[0] // _BYTES, tangent

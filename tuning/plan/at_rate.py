@@ -38,18 +38,18 @@ def planned(
     motion = every.motion(coefficients)
     begins = motion.slope[None, :-1:2]
     halves = fitted.steps(period / 2)
-    run, _ = fitted.follow(halves, starts(alone, leg), lead, begins)
+    run, positions, _ = fitted.follow(halves, starts(alone, leg), lead, begins)
     middles = Moment(*(own[None, 2::4] for own in motion))
-    volts = fitted.commands(run.positions[:, 1::2], middles)
+    volts = fitted.commands(positions[:, 1::2], middles)
     led = np.stack([lower, height], axis=1)[::4]
-    x = np.append(run.positions[0, ::2, 0], leg.end[0])
+    x = np.append(positions[0, ::2, 0], leg.end[0])
     radius = np.asarray(robot.drive.effective_radius)
     way = led - led[0]
     angle = np.stack([way[:, 0] + way[:, 1], way[:, 0] - way[:, 1]], axis=1) / radius
     if float(robot.drive.compliance):
-        positions = np.concatenate([run.positions[:, ::2], run.end.position[:, None]], axis=1)
+        sampled_at = np.concatenate([positions[:, ::2], run.end.position[:, None]], axis=1)
         sampled = Moment(*(own[None, ::4] for own in motion))
-        ahead = fitted.stretches(positions, sampled)
+        ahead = fitted.stretches(sampled_at, sampled)
         # The angles count from the begin, at which nothing has moved yet.
         ahead[0] = 0.0
         angle += ahead[:, None] / radius

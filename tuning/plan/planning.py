@@ -284,11 +284,11 @@ def _motion(
 
 def _is_good(fitted: Misfit, point: Float[np.ndarray, " splines"]) -> bool:
     """Whether the fitted robot is at rest at the target, and its drives within their limits."""
-    run = fitted.run(point)
+    own, run = fitted.run(point)
     vibration = float(fitted.arriving.vibrations(run, fitted.goals)[0])
     rest = abs(float(fitted.arriving(run, fitted.goals).rest[0]))
     most = WITHIN * float(fitted.robots.robot.drive.voltage_limit[0])
-    asked = float(np.max(np.abs(fitted.commands(run, point))))
+    asked = float(np.max(np.abs(fitted.commands(own, point))))
     return vibration <= STILL and rest <= ON_TARGET and asked <= most
 
 

@@ -158,7 +158,7 @@ def test_the_led_robot_is_that_of_the_closed_loop():
     about = models(FITTED, CONTROLLER, told=False)
     fine = about.fitted.misfit(leg, FINE)
     point = descend(fine, np.zeros(leg.splines), Stage(3, 0.0)).point
-    run = fine.run(point)
+    _, run = fine.run(point)
     plan = planned(FITTED, leg, point, period=1e-3)
     told = expecting.expectation(scenarios(FITTED, ROBOTS), CONTROLLER, leg, plan)
     assert told.resting[0] == pytest.approx(fine.arriving(run, fine.goals).rest[0], abs=6e-5)

@@ -24,14 +24,16 @@ class Followed(NamedTuple):
     """State at the end of the leg."""
     aside: Deviation
     """By how much the lower carriage deviates there."""
-    positions: Float[np.ndarray, "robots steps 3"]
-    """The undriven coordinates at the beginning of each step [m, rad, m]."""
+    place: Float[np.ndarray, "robots steps"]
+    """Where the end-effectors are at the beginning of each step, $x_e$ [m]."""
 
 
 class Inverted(NamedTuple):
     """How a robot follows whose own dynamics are inverted; or derivatives of it."""
 
     run: Followed
+    positions: Float[np.ndarray, "1 steps 3 ..."]
+    """The undriven coordinates at the beginning of each step [m, rad, m]."""
     force: Float[np.ndarray, "1 steps ..."]
     """What pulls at the lower carriage, with friction, at the beginning of each step [N]."""
 
@@ -79,7 +81,7 @@ class Leader:
             What it does.
         """
         end, (positions, force) = steps(start, (lead, velocity))
-        return Inverted(Followed(end, _none(1), positions), force)
+        return Inverted(Followed(end, _none(1), positions[..., 0]), positions, force)
 
     def follow_linearised(
         self,
@@ -112,8 +114,10 @@ class Leader:
         none = np.zeros((1, len(along)))
         moved, pulled = slopes.rows
         return (
-            Inverted(Followed(end, _none(1), positions), force),
-            Inverted(Followed(slopes.carried, Deviation(none, none), moved), pulled),
+            Inverted(Followed(end, _none(1), positions[..., 0]), positions, force),
+            Inverted(
+                Followed(slopes.carried, Deviation(none, none), moved[:, :, 0]), moved, pulled
+            ),
         )
 
     def commands(
@@ -203,8 +207,8 @@ class Followers:
         Returns:
             What they do.
         """
-        (end, aside), positions = steps((start, _none(1)), led)
-        return Followed(end, aside, positions)
+        (end, aside), place = steps((start, _none(1)), led)
+        return Followed(end, aside, place)
 
     def follow_linearised(
         self,
@@ -234,10 +238,10 @@ class Followers:
             (Undriven(still, still), Deviation(calm, calm)),
             Led(Lead(way[None], None), None, forces),
         )
-        ((end, aside), positions), slopes = steps.linearised(
+        ((end, aside), place), slopes = steps.linearised(
             (start, _none(1)), led, along=seeds, begun=begun
         )
-        return Followed(end, aside, positions), Followed(*slopes.carried, slopes.rows)
+        return Followed(end, aside, place), Followed(*slopes.carried, slopes.rows)
 
 
 class Arriving:

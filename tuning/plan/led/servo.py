@@ -153,7 +153,7 @@ def deviating_step(
     parameters: tuple[Robot, Array, Servo, tuple[Transition, Transition]],
     carry: tuple[Undriven, Deviation],
     led: Led,
-) -> tuple[tuple[Undriven, Deviation], Float[Array, "3"]]:
+) -> tuple[tuple[Undriven, Deviation], Float[Array, ""]]:
     """A step of a robot that isn't as fitted.
 
     Args:
@@ -163,7 +163,7 @@ def deviating_step(
         led: Where it is led.
 
     Returns:
-        State and deviations at the end, and the undriven coordinates at the beginning.
+        State and deviations at the end, and the end-effector's place at the beginning [m].
     """
     robot, duration, own, (middle, end) = parameters
     state, deviation = carry
@@ -180,7 +180,7 @@ def deviating_step(
     last = _deviation(end, deviation.position, moving, beyond, still)
     path = jnp.stack([deviation.position, half.position, last.position])
     aside = Lead(lead.lower + path, lead.height)
-    return (step(robot, state, aside, duration), last), state.position
+    return (step(robot, state, aside, duration), last), state.position[0]
 
 
 def _deviation(

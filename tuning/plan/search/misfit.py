@@ -10,7 +10,7 @@ from scdpr_jax import native
 from scdpr_jax.engines.led_stepping import Lead, Undriven
 from scdpr_jax.numerics.merit import Merit
 from tuning.plan.led.arrival import Arrival, Goal
-from tuning.plan.led.following import Arriving, Followed, Followers, Leader
+from tuning.plan.led.following import Arriving, Followed, Followers, Inverted, Leader
 from tuning.plan.led.servo import Deviation, Led
 from tuning.plan.leg import Leg
 from tuning.plan.search.grid import Grid
@@ -102,37 +102,37 @@ class Misfit:
         """The misfit of a motion."""
         return Motion(point, self)
 
-    def run(self, point: Float[np.ndarray, " splines"]) -> Followed:
+    def run(self, point: Float[np.ndarray, " splines"]) -> tuple[Inverted, Followed]:
         """What the robots do.
 
         Args:
             point: Coefficients of the splines [m].
 
         Returns:
-            Their run.
+            What the one does whose dynamics are inverted, and all of them.
         """
         lead, velocity = self.grid.lead(point), self.grid.velocity(point)
         first, others = self._starts
-        own, force = self.leader.follow(self._leading, first, lead, velocity)
+        own = self.leader.follow(self._leading, first, lead, velocity)
         if self.followers is None:
-            return own
-        led = self._led(lead, velocity, force)
-        return _joined(own, self.followers.follow(self._following, others, led))
+            return own, own.run
+        led = self._led(lead, velocity, own.force)
+        return own, _joined(own.run, self.followers.follow(self._following, others, led))
 
     def commands(
-        self, run: Followed, point: Float[np.ndarray, " splines"]
+        self, own: Inverted, point: Float[np.ndarray, " splines"]
     ) -> Float[np.ndarray, "n 2"]:
         """Commands of the robot whose dynamics are inverted.
 
         Args:
-            run: A run, its own first.
+            own: What it does.
             point: Coefficients of the splines [m].
 
         Returns:
             The commands where they are looked at [V].
         """
-        own = run.positions[:1, self.grid.commanded]
-        return self.leader.commands(own, self.grid.commanded_motion(point))
+        positions = own.positions[:, self.grid.commanded]
+        return self.leader.commands(positions, self.grid.commanded_motion(point))
 
     def cost(self, point: Float[np.ndarray, " splines"]) -> float:
         """The sum of squared residuals.
@@ -143,11 +143,11 @@ class Misfit:
         Returns:
             The sum [1].
         """
-        run = self.run(point)
+        own, run = self.run(point)
         parts = [
             *self._arrived(self.arriving(run, self.goals)),
-            self._tracked(run.positions[:, self.grid.tracked, 0] - self.grid.plain_way),
-            self._excess(self.commands(run, point)) / VOLTAGE,
+            self._tracked(run.place[:, self.grid.tracked] - self.grid.plain_way),
+            self._excess(self.commands(own, point)) / VOLTAGE,
             self._outside(point)[0] / OUTSIDE,
             roughness(point.size) @ point,
         ]
@@ -167,16 +167,16 @@ class Misfit:
         grid = self.grid
         lead, velocity = grid.lead(point), grid.velocity(point)
         first, others = self._starts
-        (own, force), slopes = self.leader.follow_linearised(
+        own, slopes = self.leader.follow_linearised(
             self._leading, first, lead, velocity, along=grid.along, begun=grid.begun
         )
-        run, along = _looked_at(own, grid), _looked_at(slopes.run, grid)
+        run, along = _looked_at(own.run, grid), _looked_at(slopes.run, grid)
         if self.followers is not None:
             pulled = np.moveaxis(slopes.force, -1, 1)
             more, their = self.followers.follow_linearised(
                 self._following,
                 others,
-                self._led(lead, velocity, force),
+                self._led(lead, velocity, own.force),
                 along=(grid.along, pulled),
                 begun=grid.begun,
             )
@@ -188,10 +188,10 @@ class Misfit:
         pairs = [
             *zip(self._arrived(ends), self._arrived(endings), strict=True),
             (
-                self._tracked(run.positions[..., 0] - grid.plain_way),
-                self._tracked(along.positions[:, :, 0]),
+                self._tracked(run.place - grid.plain_way),
+                self._tracked(along.place),
             ),
-            *self._commanded(point, own, slopes.run),
+            *self._commanded(point, own, slopes.positions),
             (outside / OUTSIDE, aside / OUTSIDE),
             (second @ point, second),
         ]
@@ -227,18 +227,15 @@ class Misfit:
         return np.maximum(np.abs(volts) - self.limit, 0.0)
 
     def _commanded(
-        self, point: np.ndarray, run: Followed, slopes: Followed
+        self, point: np.ndarray, own: Inverted, slopes: Float[np.ndarray, "1 steps 3 splines"]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Residuals of commands with their derivatives; nothing where there are none."""
         rows, motion = self.grid.commanded, self.grid.commanded_motion(point)
-        if not np.any(self._excess(self.commands(run, point))):
+        if not np.any(self._excess(self.commands(own, point))):
             return []
-        along = (
-            np.moveaxis(slopes.positions[:, rows], -1, 1),
-            self.grid.looked_aside,
-        )
+        along = (np.moveaxis(slopes[:, rows], -1, 1), self.grid.looked_aside)
         volts, slope = self.leader.commands_linearised(
-            run.positions[:, rows], motion, along=along
+            own.positions[:, rows], motion, along=along
         )
         excess = self._excess(volts)
         return [
@@ -269,13 +266,13 @@ def _joined(first: Followed, others: Followed) -> Followed:
     return Followed(
         Undriven(*map(both, first.end, others.end)),
         Deviation(*map(both, first.aside, others.aside)),
-        both(first.positions, others.positions),
+        both(first.place, others.place),
     )
 
 
 def _looked_at(run: Followed, grid: Grid) -> Followed:
-    """A run, or its derivatives, with the positions that the profile is compared with."""
-    return run._replace(positions=run.positions[:, grid.tracked])
+    """A run, or its derivatives, with the places that the profile is compared with."""
+    return run._replace(place=run.place[:, grid.tracked])
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
