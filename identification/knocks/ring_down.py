@@ -252,8 +252,8 @@ def _vibrates(fit: Decay, *, band: tuple[float, float]) -> bool:
     frequency = fit.angular_frequency / (2 * np.pi)
     if np.any(frequency < band[0]) or np.any(frequency > band[1]):
         return False
-    # A mode within another's half-power width is that mode's change of frequency and decay with
-    # its amplitude, while carriages slide: both together fit, and neither is one of the robot's.
+    # A mode within another's half-power width is that mode's change with its amplitude, while
+    # carriages slide: both together fit, and neither is one of the robot's.
     if frequency.size > 1 and np.ptp(frequency) < np.abs(fit.rate).sum() / (2 * np.pi):
         return False
     normal = fit.jacobian.T @ fit.jacobian

@@ -8,7 +8,7 @@ frame that is out of the noise. When, and for how long, the frames about it tell
 import dataclasses
 
 from identification.campaign.types import Knock
-from identification.doctor.case import Record, Rig, X
+from identification.doctor.case import Record, Rig
 from identification.doctor.findings import Finding
 from identification.doctor.samples.motion import Onset, first_command, onset
 from identification.doctor.samples.push import USUAL, Push, push

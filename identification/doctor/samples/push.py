@@ -30,7 +30,7 @@ SPREAD = 0.7
 """Standard deviation of its logarithm [1]: pushes last 10 to 100 ms."""
 
 WINDOWS = 0.1, 0.2, 0.4
-"""How long after the first motion the frames count [s]: for a short push, and for longer ones."""
+"""How long after the first motion frames count [s]: for a short push, and for longer ones."""
 
 FRAMES = 3.5
 """The same in frames, where they are few."""
