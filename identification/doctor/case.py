@@ -29,6 +29,10 @@ class Rig:
     """Width of the frame [m]."""
     height: float
     """Height of the frame [m]."""
+    lower_offset: float
+    """Attachment point of the lower cables below the end-effector's centre of mass [m]."""
+    upper_offset: float
+    """Attachment point of the upper cables above it [m]."""
     inertia: float
     """Inertia of one drive at its pulley [kg m²], the nameplate's."""
     damping: float
@@ -67,6 +71,8 @@ def rig_of(campaign: Campaign) -> Rig:
         radius=rig_value("effective_radius", campaign),
         width=rig_value("frame_width", campaign),
         height=rig_value("frame_height", campaign),
+        lower_offset=rig_value("lower_offset", campaign),
+        upper_offset=rig_value("upper_offset", campaign),
         inertia=rig_value("drive_inertia", campaign),
         damping=rig_value("drive_damping", campaign),
         torque_per_volt=rig_value("torque_per_volt", campaign),

@@ -15,7 +15,7 @@ from scdpr_jax.numerics.long_run_variance import sandwich
 from scdpr_jax.robot.fields import si
 
 _FEWEST = 20  # samples: two modes and a drift take ten
-_STARTS = 16  # windows tried
+_GROWTH = 1.06  # of a window over the next shorter one: some 16 are tried
 _LATEST = 0.6  # of the record after the knock: a window has 40 % of it at the least
 _CYCLES = 1.5  # periods in a window: fewer can't be told from a drift
 _NYQUIST = 0.9  # of half the sampling rate: beyond it a mode is sampled twice a period
@@ -145,9 +145,8 @@ def ring_down(
     _check_length(time, after=after)
     # In units of the noise from here on, but for the amplitudes.
     record = thinned(time, displacement / noise_sigma)
-    starts = time[0] + (time[-1] - time[0]) * np.linspace(0, _LATEST, _STARTS)
     windows = []
-    for start in starts:
+    for start in _starts(float(time[0]), float(time[-1])):
         inside = record.time >= start
         window = _window(record.time[inside], record.signal[inside])
         windows += [] if window is None else [window]
@@ -175,6 +174,18 @@ def ring_down(
         modes=tuple(modes),
         residuals_are_noise=chosen.is_noise,
     )
+
+
+def _starts(first: float, last: float) -> Float[np.ndarray, " windows"]:
+    """Where the windows start [s]: at the knock, then so long before the record's end.
+
+    Their lengths are powers of one number and know nothing of the knock. So what isn't known
+    of its end decides which windows there are, and not where any of them starts.
+    """
+    span = last - first
+    longest, shortest = np.log([span, span * (1 - _LATEST)]) / np.log(_GROWTH)
+    powers = np.arange(np.floor(longest), shortest, -1)
+    return np.concatenate([[first], last - _GROWTH**powers])
 
 
 def _check_length(time: Float[np.ndarray, " samples"], *, after: float) -> None:
@@ -237,9 +248,13 @@ def _schwarz(residuals: Float[np.ndarray, " samples"], parameters: int) -> float
 
 
 def _vibrates(fit: Decay, *, band: tuple[float, float]) -> bool:
-    """Whether all modes are lightly damped, inside the band and resolved."""
+    """Whether all modes are lightly damped, inside the band, resolved and apart."""
     frequency = fit.angular_frequency / (2 * np.pi)
     if np.any(frequency < band[0]) or np.any(frequency > band[1]):
+        return False
+    # A mode within another's half-power width is that mode's change with its amplitude, while
+    # carriages slide: both together fit, and neither is one of the robot's.
+    if frequency.size > 1 and np.ptp(frequency) < np.abs(fit.rate).sum() / (2 * np.pi):
         return False
     normal = fit.jacobian.T @ fit.jacobian
     scale = np.sqrt(np.diag(normal))

@@ -1,22 +1,18 @@
 """Knocks: when the end-effector was knocked, and for how long.
 
 The camera sees the end-effector at rest, then not: the knock came a little before the first
-frame that is out of the noise. Its speed right after tells when it left its place, and the
-time at which it is fastest, how long it was pushed.
+frame that is out of the noise. When, and for how long, the frames about it tell together
+(`identification.doctor.samples.push`).
 """
 
 import dataclasses
 
-import numpy as np
-
 from identification.campaign.types import Knock
-from identification.doctor.case import Record, Rig, X
-from identification.doctor.findings import Finding, Severity
+from identification.doctor.case import Record, Rig
+from identification.doctor.findings import Finding
 from identification.doctor.samples.motion import Onset, first_command, onset
+from identification.doctor.samples.push import USUAL, Push, push
 from identification.doctor.words import finding
-
-USUAL = 0.03
-"""Duration of a knock by hand [s], where the camera is too slow to tell."""
 
 EARLY = 0.07
 """How much before the last frame at rest a stated knock may begin [s]: a push takes 30 ms,
@@ -48,13 +44,11 @@ def knocks(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
         seen = (record.filmed and moved is None) or record.run.accelerometer is not None
         untold = record.knock is None and not seen
         return record, (_unseen(record),) if untold else ()
-    found = _knock(record, moved)
-    if record.knock is None:
-        told = _finding("knock.missing", "note", record, moved, found)
-    elif not _possible(record, moved):
-        told = _finding("knock.wrong", "contradiction", record, moved, found)
-    else:
+    if record.knock is not None and _possible(record, moved):
         return record, ()
+    pushed = _knock(record, rig, moved)
+    found = Knock(start=round(pushed.begin, 4), duration=round(pushed.length, 4))
+    told = _finding(record, moved, pushed)
     return dataclasses.replace(record, knock=found), (told,)
 
 
@@ -75,55 +69,41 @@ def _possible(record: Record, moved: Onset) -> bool:
     return moved.before - EARLY - more < record.knock.start < moved.after + LATE + more
 
 
-def _knock(record: Record, moved: Onset) -> Knock:
-    """The knock that fits the first frames."""
-    seen = np.flatnonzero(np.isfinite(record.position[:, X]))
-    time = record.frame_time[seen] - record.offset
-    place = record.position[seen, X]
-    first = int(np.searchsorted(seen, moved.row))
-    rest = float(np.median(place[: max(first, 1)]))
-    velocity = np.diff(place[first : first + 8]) / np.diff(time[first : first + 8])
-    # Up to where it turns round: half a period on it is as fast again.
-    turned = np.flatnonzero(velocity * np.sign(velocity[:1]) <= 0)
-    speed = np.abs(velocity[: int(turned[0]) if turned.size else None])
-    fastest = int(np.argmax(speed)) if speed.size else 0
-    away = abs(float(place[first]) - rest)
-    # It left its place with the speed that it has right after, half a push before.
-    left = time[first] - (away / speed[0] if speed.size and speed[0] > 0 else 0.0)
-    earliest = max(moved.before - USUAL / 2, float(record.time[0]))
-    frame = float(np.median(np.diff(time)))
-    length = USUAL
-    if fastest > 1:  # still pushed two frames on
-        length = float(time[first + fastest] - left)
-    begin = float(np.clip(left - USUAL / 2, earliest, max(time[first] - frame / 6, earliest)))
-    return Knock(start=round(begin, 4), duration=round(min(length, 0.3), 4))
+def _knock(record: Record, rig: Rig, moved: Onset) -> Push:
+    """The push that fits the first frames; between two frames where they are too few."""
+    fitted = push(record, rig, moved)
+    if fitted is not None:
+        return fitted
+    first = max(moved.before, moved.after - EARLY, float(record.time[0]))
+    begin = max(moved.after - USUAL, first)
+    return Push(begin, moved.after - first, USUAL, USUAL)
 
 
-def _finding(
-    identifier: str, severity: Severity, record: Record, moved: Onset, knock: Knock
-) -> Finding:
-    stated = (
-        "isn't stated" if record.knock is None else f"is stated at {record.knock.start:g} s"
-    )
+def _finding(record: Record, moved: Onset, pushed: Push) -> Finding:
+    missing = record.knock is None
+    stated = "isn't stated" if missing else f"is stated at {record.knock.start:g} s"
     return finding(
-        identifier,
-        severity,
+        "knock.missing" if missing else "knock.wrong",
+        "note" if missing else "contradiction",
         runs=[record.name],
         what=f"the knock {stated}; the end-effector begins to move between "
-        f"{moved.before:.4g} and {moved.after:.4g} s",
+        f"{moved.before:.4g} and {moved.after:.4g} s, pushed from {pushed.begin:.4g} "
+        f"± {pushed.begin_sigma:.2g} s on",
         stream="camera",
         column="x_e",
         row=moved.row,
         evidence={
-            "stated_s": None if record.knock is None else record.knock.start,
+            "stated_s": None if missing else record.knock.start,
             "between_s": [moved.before, moved.after],
-            "start_s": knock.start,
-            "duration_s": knock.duration,
+            "start_s": round(pushed.begin, 4),
+            "start_sigma_s": pushed.begin_sigma,
+            "duration_s": round(pushed.length, 4),
+            "duration_sigma_s": pushed.length_sigma,
         },
         mend={
             "do": "write [knock]",
             "run": record.name,
-            "start": f"{knock.start:g} s",
-            "duration": f"{knock.duration * 1e3:g} ms",
+            "start": f"{pushed.begin:.4f} s",
+            "duration": f"{pushed.length * 1e3:.1f} ms",
         },
     )

@@ -132,3 +132,30 @@ def test_a_ring_down_is_plain_data():
         isinstance(getattr(decay, field.name), (float, bool, tuple))
         for field in dataclasses.fields(decay)
     )
+
+
+def slackening(seed):
+    """What a carriage that comes to rest leaves: a swing that slows as it dies away."""
+    random = np.random.default_rng(seed)
+    time = camera(random)
+    t = np.maximum(time - 0.3, 0.0)
+    x = 5.8e-3 * np.exp(-3.2 * t) * np.sin(2 * np.pi * 5.37 * t)
+    x += 2.1e-3 * np.exp(-0.2 * t) * np.sin(2 * np.pi * 5.055 * t)
+    return time, x + NOISE * random.normal(size=time.size)
+
+
+def test_modes_within_each_others_width_are_one_whose_frequency_changes():
+    for seed in range(4):
+        time, x = slackening(seed)
+        decay = ring_down(time, x, noise_sigma=NOISE, after=0.38)
+        assert abs(decay.frequency - 5.055) < 0.05
+
+
+def test_a_frame_more_or_less_after_the_knock_changes_no_frequency():
+    for seed in range(4):
+        time, x = slackening(seed)
+        ends = [
+            ring_down(time, x, noise_sigma=NOISE, after=after).frequency
+            for after in (0.37, 0.40, 0.43)
+        ]
+        assert np.ptp(ends) < 0.01 * 5.055
