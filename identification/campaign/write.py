@@ -218,7 +218,7 @@ def _accelerometer_columns(stream: AccelerometerStream) -> dict[str, list[str]]:
 
 def _extra_columns(extra: dict[str, Shaped[np.ndarray, " rows"]]) -> dict[str, list[str]]:
     return {
-        header: cells.tolist() if cells.dtype.kind == "U" else _cells(cells)
+        header: _cells(cells) if cells.dtype.kind == "f" else cells.tolist()
         for header, cells in extra.items()
     }
 

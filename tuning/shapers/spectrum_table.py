@@ -5,7 +5,7 @@ import dataclasses
 import pathlib
 import re
 
-from scdpr_jax.numerics.files.given import CELL, TABLE, read_given_text
+from scdpr_jax.numerics.files.given import CELL, SHORT_TABLE, read_given_text
 
 EXPECTED = "a header such as 'freq,psd_x,psd_y,psd_z,psd_xyz' and a row of numbers per bin"
 """What such a file holds, for messages."""
@@ -44,7 +44,7 @@ def read_table(path: pathlib.Path) -> SpectrumTable:
         FileNotFoundError: If there is no such file.
         ValueError: If it isn't text in columns between commas; says what it is instead.
     """
-    lines = read_given_text(path, most=TABLE).splitlines()
+    lines = read_given_text(path, most=SHORT_TABLE).splitlines()
     numbered = [(n, line) for n, line in enumerate(lines, start=1) if line.strip(" \t,;")]
     if not numbered:
         raise ValueError(

@@ -64,6 +64,11 @@ class Channel:
         """Whether it holds real numbers."""
         return not self.missing and self.values.dtype.kind == "f"
 
+    @property
+    def is_text(self) -> bool:
+        """Whether it holds texts."""
+        return self.values.dtype.kind in "UT"
+
     def row(self, sample: int) -> int:
         """Where a sample stands, for a message.
 

@@ -189,7 +189,7 @@ def stamped(channel: Channel, said: ClockTable) -> tuple[Clock | None, Fault | N
     """
     if channel.epoch is not None:
         clock = Clock(channel.epoch, channel.values)
-    elif channel.values.dtype.kind == "U":
+    elif channel.is_text:
         made = from_texts(channel.values)
         if made is None:
             return None, _no_times(channel)

@@ -1,15 +1,23 @@
 """Dates and times as seconds: from texts as logs write them, and from large numbers."""
 
+import itertools
 import math
 import re
 import warnings
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float64, Shaped
+from jaxtyping import Float64, Int64, Shaped
+
+if TYPE_CHECKING:
+    import pandas
 
 LATE = 1e8
 """Time from which on a clock counts from a date, not from the log's begin [s]: three years."""
 _TRIED = 8
+_BLOCK = 2**16
+"""Texts that are parsed at a time: a date takes a hundred bytes on its way."""
 _DAY = 86400.0
 _CLOCK = re.compile(r"\d{1,2}:\d{2}(:\d{2}([.,]\d+)?)?")
 
@@ -26,28 +34,54 @@ def from_texts(
         Whole seconds since 1970 that the times count from, None of times without a date;
         and the times [s]. None where a text is none.
     """
-    import pandas
-
     if len(texts) > 2 * _TRIED and from_texts(texts[:_TRIED]) is None:
         return None  # words, as the first of them show
-    cells = pandas.Series(np.asarray(texts, dtype=str)).str.strip()
-    cells = cells.str.replace(",", ".", regex=False)
-    if all(_CLOCK.fullmatch(cell) for cell in cells):
-        parts = pandas.to_timedelta(cells.where(cells.str.count(":") == 2, cells + ":00"))
-        seconds = parts.to_numpy().astype("timedelta64[ns]").astype(np.int64) / 1e9
+    blocks = [texts[first : first + _BLOCK] for first in range(0, len(texts), _BLOCK)]
+    if all(map(_CLOCK.fullmatch, itertools.chain.from_iterable(map(_cells, blocks)))):
+        seconds = np.concatenate([_of_clock(block) for block in blocks])
         return None, seconds + _DAY * np.cumsum(np.r_[0, np.diff(seconds) < -_DAY / 2])
-    day_first = not cells.str.contains("/", regex=False).all()
+    day_first = not all("/" in text for text in texts)
     for chosen in ({"format": "ISO8601"}, {"format": "mixed", "dayfirst": day_first}):
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                stamps = pandas.to_datetime(cells, utc=True, **chosen)
+            whole = np.concatenate([_of_dates(block, chosen) for block in blocks])
         except (ValueError, OverflowError):
             continue
-        whole = stamps.dt.tz_convert(None).to_numpy().astype("datetime64[ns]").astype(np.int64)
         epoch = int(whole[0] // 10**9)
         return epoch, (whole - epoch * 10**9) / 1e9
     return None
+
+
+def _cells(texts: Shaped[np.ndarray, " samples"]) -> "pandas.Series":
+    import pandas
+
+    cells = pandas.Series(texts.tolist(), dtype=object).str.strip()
+    return cells.str.replace(",", ".", regex=False)
+
+
+def _of_clock(texts: Shaped[np.ndarray, " samples"]) -> Float64[np.ndarray, " samples"]:
+    """Seconds since midnight."""
+    import pandas
+
+    cells = _cells(texts)
+    parts = pandas.to_timedelta(cells.where(cells.str.count(":") == 2, cells + ":00"))
+    return parts.to_numpy().astype("timedelta64[ns]").astype(np.int64) / 1e9
+
+
+def _of_dates(
+    texts: Shaped[np.ndarray, " samples"], chosen: Mapping[str, Any]
+) -> Int64[np.ndarray, " samples"]:
+    """Nanoseconds since 1970.
+
+    Raises:
+        ValueError: If a text is no date written so.
+        OverflowError: If it lies too far away.
+    """
+    import pandas
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        stamps = pandas.to_datetime(_cells(texts), utc=True, **chosen)
+    return stamps.dt.tz_convert(None).to_numpy().astype("datetime64[ns]").astype(np.int64)
 
 
 def since_1970(stamps: Float64[np.ndarray, " samples"]) -> str:

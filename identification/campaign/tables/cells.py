@@ -3,17 +3,15 @@
 import dataclasses
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 from identification.campaign.faults import Fault
 from identification.campaign.quantities import LARGEST
 from identification.campaign.tables.columns import Scale
 from identification.campaign.tables.header import Header
+from identification.campaign.tables.rows import Row
 
 _NUMBER = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+))(?:[eE]([+-]?\d{1,6}))?", re.ASCII)
-
-Row = tuple[int, Sequence[str]]
-"""A row of a CSV file: its line, from 1, and its cells as they are written."""
 
 
 def cell_number(cell: str, scale: Scale, *, may_be_empty: bool) -> float | None:
@@ -37,7 +35,7 @@ def cell_number(cell: str, scale: Scale, *, may_be_empty: bool) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def cell_faults(header: Header, body: Sequence[Row], *, may_be_empty: bool) -> Iterator[Fault]:
+def cell_faults(header: Header, body: Iterable[Row], *, may_be_empty: bool) -> Iterator[Fault]:
     """Everything that is wrong with the rows below a header, row by row.
 
     Args:

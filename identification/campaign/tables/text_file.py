@@ -17,19 +17,33 @@ def read_text(path: Path, *, most: int) -> tuple[str, Fault | None]:
     Returns:
         The text, without a byte order mark; and the fault if there is none to be read.
     """
+    content, fault = read_text_bytes(path, most=most)
+    return content.decode("utf-8-sig"), fault
+
+
+def read_text_bytes(path: Path, *, most: int) -> tuple[bytes, Fault | None]:
+    """The bytes of a file that holds a text: a quarter of what it may take as one.
+
+    Args:
+        path: The file.
+        most: Its largest size [bytes].
+
+    Returns:
+        The text in UTF-8, perhaps behind a byte order mark; and the fault if there is none.
+    """
     try:
         content = read_given(path, most=most)
     except FileError as error:
-        return "", fault_of(error)
+        return b"", fault_of(error)
     except FileNotFoundError:
-        return "", Fault(
+        return b"", Fault(
             what="the file is missing",
             got="no such file",
             expected=f"the file {path.name}",
             remedy="Copy it there, or check its name.",
         )
     except OSError as error:
-        return "", Fault(
+        return b"", Fault(
             what="the file can't be read",
             got=f"{error.strerror}",
             expected="a readable text file",
@@ -42,12 +56,12 @@ def read_text(path: Path, *, most: int) -> tuple[str, Fault | None]:
         remedy="Save it as plain text in UTF-8; a TDMS or MAT log goes through the importers.",
     )
     try:
-        text = content.decode("utf-8-sig")
+        content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         row = content.count(b"\n", 0, error.start) + 1
         got = f"the byte 0x{content[error.start]:02x}"
-        return "", dataclasses.replace(binary, row=row, got=got)
-    if "\0" in text:
-        row = text.count("\n", 0, text.index("\0")) + 1
-        return "", dataclasses.replace(binary, row=row, got="a zero byte")
-    return text, None
+        return b"", dataclasses.replace(binary, row=row, got=got)
+    if b"\0" in content:
+        row = content.count(b"\n", 0, content.index(b"\0")) + 1
+        return b"", dataclasses.replace(binary, row=row, got="a zero byte")
+    return content, None

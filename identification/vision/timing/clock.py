@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64
 from identification.campaign.tables.columns import TIME
 from identification.campaign.tables.text_file import read_text
 from identification.vision.settings.document import FIRST_STAMP, Time
-from scdpr_jax.numerics.files.given import TABLE, split_rows
+from scdpr_jax.numerics.files.given import SHORT_TABLE, split_rows
 from scdpr_jax.numerics.files.harmless import represented
 
 _CERTAIN = 0.3  # of the change beside it
@@ -96,7 +96,7 @@ def read_stamps(path: Path) -> dict[int, float]:
     Raises:
         ValueError: If there are none in it.
     """
-    text, fault = read_text(path, most=TABLE)
+    text, fault = read_text(path, most=SHORT_TABLE)
     if fault is not None:
         raise ValueError(f"stamps: {dataclasses.replace(fault, file=str(path))}")
     rows = split_rows(path, text)

@@ -17,12 +17,17 @@ MEBIBYTE = 2**20
 """Unit of the limits [bytes]."""
 DOCUMENT = MEBIBYTE
 """Largest document in TOML [bytes]: a mapping of a thousand runs is half of it."""
-RESULT = 64 * MEBIBYTE
-"""Largest file of results in JSON [bytes]."""
+RESULT = 8 * MEBIBYTE
+"""Largest file of results in JSON [bytes]: values of it take twenty times their text."""
 TABLE = 64 * MEBIBYTE
 """Largest table of numbers in text [bytes]: twenty minutes of a drive at 1 kHz."""
+SHORT_TABLE = 8 * MEBIBYTE
+"""Largest table that is there as texts before it is understood [bytes], sixty times as long: a
+plan of a minute, a hundred thousand legs or frequencies of a spectrum."""
+TEXT_LOG = 128 * MEBIBYTE
+"""Largest log of another program in text [bytes]: half an hour of eight channels at 1 kHz."""
 LOG = 256 * MEBIBYTE
-"""Largest log of another program [bytes]: an hour of twenty channels at 1 kHz."""
+"""Largest log of another program in numbers as they are in memory [bytes]: TDMS and MAT."""
 CELL = 10_000
 """Longest cell of a table [characters]."""
 
@@ -125,12 +130,11 @@ def read_given_text(path: pathlib.Path, *, most: int) -> str:
         ) from None
 
 
-def read_given_rows(path: pathlib.Path, *, most: int = TABLE) -> list[tuple[int, list[str]]]:
+def read_given_rows(path: pathlib.Path) -> list[tuple[int, list[str]]]:
     """The rows of a table between commas.
 
     Args:
-        path: The file.
-        most: Its largest size [bytes].
+        path: The file, a `SHORT_TABLE`.
 
     Returns:
         Each row that isn't empty, with its line from 1.
@@ -139,7 +143,7 @@ def read_given_rows(path: pathlib.Path, *, most: int = TABLE) -> list[tuple[int,
         FileError: If it is no file, larger, no text in UTF-8, or can't be split into cells.
         OSError: If there is none, or it can't be opened.
     """
-    return split_rows(path, read_given_text(path, most=most))
+    return split_rows(path, read_given_text(path, most=SHORT_TABLE))
 
 
 def split_rows(path: pathlib.Path, text: str) -> list[tuple[int, list[str]]]:

@@ -1,5 +1,6 @@
 """A text in columns as channels, each cell with its line."""
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
@@ -8,14 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from identification.bring.files.channel import Channel, Log
-from identification.bring.files.csv.dialect import (
-    Dialect,
-    Layout,
-    is_missing,
-    layout,
-    number,
-)
-from identification.bring.files.csv.text import read_text
+from identification.bring.files.csv.dialect import Dialect, is_missing, number
+from identification.bring.files.csv.layout import Layout, Row, layout
+from identification.bring.files.csv.text import Text, read_text
 from identification.campaign.faults import Fault, listed
 from identification.campaign.quantities import LARGEST
 
@@ -27,6 +23,12 @@ _HEADER = 200
 """Characters of a header's cell that are looked at for a unit; a longer one has none."""
 _LARGE = 1e8
 """Numbers from which on a double rounds the eighth digit behind the point."""
+_CELLS = 2**16
+"""Cells that are there at a time."""
+_MOST = 2**25
+"""Cells of a log, at the most: 256 MiB of numbers."""
+_ODD = 2**20
+"""Cells of a column that are no numbers, beyond which it is one of words."""
 
 
 def read_csv(path: Path, dialect: Dialect) -> tuple[Log | None, tuple[Fault, ...]]:
@@ -45,28 +47,31 @@ def read_csv(path: Path, dialect: Dialect) -> tuple[Log | None, tuple[Fault, ...
     found = layout(text, dialect)
     if found is None:
         return None, (_no_columns(path, text),)
-    rows, footer = _without_footer(found)
-    faults = listed(_width_faults(found, rows), file=str(path))
-    if faults:
-        return None, faults
-    notes = (_told(found, note, footer),)
-    return Log(path=path, channels=_channels(found, rows), notes=notes), ()
+    fault = _too_many(path, found)
+    if fault is not None:
+        return None, (fault,)
+    channels = _channels(found)
+    if channels is None:
+        return None, listed(_width_faults(found), file=str(path))
+    return Log(path=path, channels=channels, notes=(_told(found, note),)), ()
 
 
-def _without_footer(found: Layout) -> tuple[list[tuple[int, tuple[str, ...]]], int]:
-    """The rows without lines of words at the end, and how many these are."""
-    rows = list(found.rows)
-    count = 0
-    while rows and not any(number(cell, found.decimal) is not None for cell in rows[-1][1]):
-        rows.pop()
-        count += 1
-    return rows, count
+def _too_many(path: Path, found: Layout) -> Fault | None:
+    """More numbers than a gigabyte holds beside what is made of them."""
+    count = found.count * len(found.header)
+    if count <= _MOST:
+        return None
+    return Fault(
+        what="more numbers than can be held",
+        file=str(path),
+        got=f"{found.count:,} rows of {len(found.header):,} columns",
+        expected=f"{_MOST:,} cells at most",
+        remedy="Export the columns that are needed alone, or cut the log into pieces.",
+    )
 
 
-def _width_faults(
-    found: Layout, rows: Sequence[tuple[int, tuple[str, ...]]]
-) -> Iterator[Fault]:
-    for line, cells in rows:
+def _width_faults(found: Layout) -> Iterator[Fault]:
+    for line, cells in found.rows():
         if len(cells) != len(found.header):
             yield Fault(
                 what="a row of another length than the header",
@@ -77,26 +82,103 @@ def _width_faults(
             )
 
 
-def _channels(found: Layout, rows: Sequence[tuple[int, tuple[str, ...]]]) -> dict[str, Channel]:
-    lines = np.array([line for line, _ in rows])
-    columns = list(zip(*(cells for _, cells in rows), strict=True))
+def _channels(found: Layout) -> dict[str, Channel] | None:
+    """The channels; None where a row is of another length than the header."""
+    columns = [_Numbers() for _ in found.header]
+    lines: list[np.ndarray] = []
+    for rows in _blocks(found):
+        if any(len(cells) != len(found.header) for _, cells in rows):
+            return None
+        lines.append(np.array([line for line, _ in rows]))
+        for column, cells in zip(columns, zip(*(c for _, c in rows), strict=True), strict=True):
+            column.take(cells, found.decimal)
+    every_line = np.concatenate(lines)
     channels: dict[str, Channel] = {}
-    for header, unit, cells in zip(found.header, found.units, columns, strict=True):
-        if not header and all(map(is_missing, cells)):
+    for place, (header, unit) in enumerate(zip(found.header, found.units, strict=True)):
+        column, columns[place] = columns[place], _Numbers()
+        if not header and column.missing == len(every_line):
             continue  # a separator behind the last column
         name, count = header or f"column {len(channels) + 1}", 2
         while name in channels:
             name, count = f"{header} ({count})", count + 1
-        values, odd = _numbers(cells, found.decimal)
+        is_text = 2 * len(column.odd) > len(every_line) or column.odd_is_full
+        values = _texts(found, place) if is_text else np.concatenate(column.values)
         channels[name] = Channel(
             name=name,
             values=values,
-            near=_near(cells, values, found.decimal),
+            near=None if is_text else column.near,
             unit=unit or unit_in(header),
-            odd=odd,
-            lines=lines,
+            odd={} if is_text else column.odd,
+            lines=every_line,
         )
     return channels
+
+
+def _blocks(found: Layout) -> Iterator[list[Row]]:
+    rows, size = found.rows(), max(1, _CELLS // len(found.header))
+    while block := list(itertools.islice(rows, size)):
+        yield block
+
+
+def _texts(found: Layout, place: int) -> np.ndarray:
+    """A column as it is written."""
+    kind = np.dtypes.StringDType()  # The longest cell's room for each would be too much.
+    blocks = _blocks(found)
+    return np.concatenate([np.array([c[place] for _, c in rows], kind) for rows in blocks])
+
+
+class _Numbers:
+    """A column's numbers and the cells that are none, taken in block by block."""
+
+    def __init__(self) -> None:
+        self.values: list[np.ndarray] = []
+        """Its numbers."""
+        self.odd: dict[int, str] = {}
+        """Cells that are no numbers, and don't say that there is none."""
+        self.missing = 0
+        """Cells that say that there is none."""
+        self._count = 0
+        self._base: int | None = None
+        self._rest: list[np.ndarray] = []
+
+    @property
+    def odd_is_full(self) -> bool:
+        """Whether there are more odd cells than are kept: a column of words."""
+        return len(self.odd) >= _ODD
+
+    @property
+    def near(self) -> tuple[int, np.ndarray] | None:
+        """Large numbers with digits that doubles haven't: stamps in seconds since 1970."""
+        return None if self._base is None else (self._base, np.concatenate(self._rest))
+
+    def take(self, cells: Sequence[str], decimal: str) -> None:
+        """Take in some cells.
+
+        Args:
+            cells: The cells that follow.
+            decimal: The decimal point.
+        """
+        values = _plain(cells, decimal)
+        if values is None:
+            values = np.full(len(cells), np.nan)
+            for place, cell in enumerate(cells):
+                value = number(cell, decimal)
+                if value is not None:
+                    values[place] = value
+                elif is_missing(cell):
+                    self.missing += 1
+                elif not self.odd_is_full:
+                    self.odd[self._count + place] = cell
+        if not self._count and abs(values[0]) >= _LARGE:
+            written = any(decimal in cell for cell in cells[:20])
+            self._base = int(values[0]) if written else None
+        if self._base is not None and np.isfinite(values).all():
+            digits = (Decimal(cell.replace(decimal, ".")) for cell in cells)
+            self._rest.append(np.array([float(each - self._base) for each in digits]))
+        else:
+            self._base = None
+        self.values.append(values)
+        self._count += len(cells)
 
 
 def unit_in(header: str) -> str:
@@ -127,26 +209,8 @@ def bare(header: str) -> str:
     return header.strip() if match is None else match["name"].strip()
 
 
-def _numbers(cells: Sequence[str], decimal: str) -> tuple[np.ndarray, dict[int, str]]:
-    """A column's numbers and the cells that are none; texts where most are none."""
-    quick = _plain(cells, decimal)
-    if quick is not None:
-        return quick, {}
-    values = np.full(len(cells), np.nan)
-    odd: dict[int, str] = {}
-    for place, cell in enumerate(cells):
-        value = number(cell, decimal)
-        if value is not None:
-            values[place] = value
-        elif not is_missing(cell):
-            odd[place] = cell
-    if 2 * len(odd) > len(cells):
-        return np.array(cells, dtype=str), {}
-    return values, odd
-
-
 def _plain(cells: Sequence[str], decimal: str) -> np.ndarray | None:
-    """The same, several times faster; None where a cell needs a closer look."""
+    """Numbers of cells, several times faster; None where one needs a closer look."""
     joined = "".join(cells)
     if not joined.isascii() or any(mark in joined for mark in "_nNdD '"):
         return None
@@ -161,20 +225,7 @@ def _plain(cells: Sequence[str], decimal: str) -> np.ndarray | None:
     return values if np.all(np.abs(values) <= LARGEST) else None
 
 
-def _near(
-    cells: Sequence[str], values: np.ndarray, decimal: str
-) -> tuple[int, np.ndarray] | None:
-    """Large numbers with digits that doubles haven't: stamps in seconds since 1970."""
-    if values.dtype.kind != "f" or not np.isfinite(values).all() or abs(values[0]) < _LARGE:
-        return None
-    if not any(decimal in cell for cell in cells[:20]):
-        return None
-    base = int(values[0])
-    rest = [float(Decimal(cell.replace(decimal, ".")) - base) for cell in cells]
-    return base, np.array(rest)
-
-
-def _told(found: Layout, encoding: str, footer: int) -> str:
+def _told(found: Layout, encoding: str) -> str:
     parts = [f"columns between {_NAMES.get(found.separator, repr(found.separator))}"]
     if found.decimal == ",":
         parts.append("decimal commas")
@@ -184,13 +235,13 @@ def _told(found: Layout, encoding: str, footer: int) -> str:
         parts.append("no header: columns by their number")
     if encoding:
         parts.append(encoding)
-    if footer:
-        parts.append(f"{footer} lines of words at the end left out")
+    if found.footer:
+        parts.append(f"{found.footer} lines of words at the end left out")
     return ", ".join(parts)
 
 
-def _no_columns(path: Path, text: str) -> Fault:
-    begin = " ".join(text[:200].split())[:60]
+def _no_columns(path: Path, text: Text) -> Fault:
+    begin = " ".join(text.begin[:200].split())[:60]
     return Fault(
         what="no columns of numbers",
         file=str(path),

@@ -57,7 +57,7 @@ def _columns(channel: Channel) -> Iterator[Signal]:
     if channel.lines is None:
         above, _, last = _split(channel.name)
     words = channel.label or bare(last)
-    if channel.values.dtype.kind == "U":
+    if channel.is_text:
         made = from_texts(channel.values) if channel.values.size > 1 else None
         if made is not None:
             yield Signal(
