@@ -70,11 +70,17 @@ def summary(tracked: Tracked) -> dict[str, object]:
         "doubled": int(tracked.doubled.sum()),
         "calibration_rms_px": tracked.marks.view.lens.rms,
         "marks_rms_px": tracked.marks.rms,
-        "sigma": {name: written(sigma.columns[name], name) for name in COLUMNS},
+        "sigma": _written(sigma.columns),
+        "sigma_random": _written(sigma.random),
+        "sigma_common": _written(sigma.common),
         "camera_position_sigma": written(sigma.position, "x_e"),
         "camera_angle_sigma": written(sigma.angle, "delta_e"),
         "warnings": list(tracked.warnings),
     }
+
+
+def _written(columns: dict[str, float]) -> dict[str, str | None]:
+    return {name: written(columns[name], name) for name in COLUMNS}
 
 
 def written(value: float, column: str) -> str | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from identification.vision.lens import Lens, Marks, calibrate, fit_plane
+from identification.vision.lens import Adjusted, Lens, Marks, adjusted, calibrate, fit_plane
 from identification.vision.pictures.stream import Video, pictures
 from identification.vision.poses import OF_BODY, Poses, poses_of, whole_markers
 from identification.vision.settings.document import Vision
@@ -32,7 +32,6 @@ from scdpr_jax.numerics.progress import SILENT, Progress
 
 _LENS_SHARE = 0.05
 _LEAST_MARKS = 4
-_LEAST_MISFIT = 0.01
 _MOST_PHOTOS = 500
 
 
@@ -191,7 +190,8 @@ def _read(vision: Vision, folder: Path, lens: Lens, video: Video, progress: Prog
 
 def _nothing(count: int) -> Seen:
     missing = np.full(count, np.nan)
-    return Seen(np.full((count, 2), np.nan), missing, missing, missing)
+    places = np.full((count, 2), np.nan)
+    return Seen(places, missing, missing, missing, places)
 
 
 def _put_together(
@@ -204,7 +204,7 @@ def _put_together(
     again = doubled(read.change, pixels)
     shake = shake_of(mark_pixels, clock, ~again & np.isfinite(mark_pixels[..., 0]).any(axis=1))
     mean = _without_colour(vision, lens, mean_marks(mark_pixels[~again], shake[~again]))
-    marks = _plane(vision, lens, mean)
+    fit = _plane(vision, lens, mean)
     whole = whole_markers(
         pixels,
         np.array([each.scale for each in read.markers]),
@@ -212,12 +212,13 @@ def _put_together(
         most_hidden=MOST_HIDDEN,
     )
     counts = whole & ~again[:, None] & np.isfinite(clock.frames)[:, None]
-    poses = poses_of(vision, marks.view, clock, pixels, counts, shake)
+    variance = np.array([each.variance for each in read.markers])
+    poses = poses_of(vision, fit.marks.view, clock, pixels, counts, shake)
     return Tracked(
         clock,
         poses,
-        marks,
-        sigma_of(vision, marks, mean, poses, _misfit(read.markers)),
+        fit.marks,
+        sigma_of(vision, fit, poses, variance, shaken=bool(shake.any())),
         read.start,
         mark_pixels,
         pixels,
@@ -235,16 +236,6 @@ def _whole_marks(seen: list[Seen]) -> Float64[np.ndarray, "frames marks 2"]:
     return np.where((hidden < MOST_HIDDEN)[..., None], pixels, np.nan)
 
 
-def _misfit(seen: list[Seen]) -> Float64[np.ndarray, " markers"]:
-    """Of each marker, over the pictures; tags have none, and are alike."""
-    every = np.array([each.misfit for each in seen])
-    usual = [
-        np.median(each[np.isfinite(each)]) if np.isfinite(each).any() else 0.0
-        for each in every.T
-    ]
-    return np.maximum(usual, _LEAST_MISFIT)
-
-
 def _without_colour(
     vision: Vision, lens: Lens, pixels: Float64[np.ndarray, "marks 2"]
 ) -> Float64[np.ndarray, "marks 2"]:
@@ -257,12 +248,12 @@ def _without_colour(
     )
 
 
-def _plane(vision: Vision, lens: Lens, pixels: Float64[np.ndarray, "marks 2"]) -> Marks:
+def _plane(vision: Vision, lens: Lens, pixels: Float64[np.ndarray, "marks 2"]) -> Adjusted:
     kept = np.flatnonzero(np.isfinite(pixels[:, 0]))
     places, radii = mark_places(vision)[kept], mark_radii(vision)[kept]
     fit = fit_plane(lens, places, pixels[kept], radii)
     require_fit(vision, fit, kept.tolist())
-    return fit
+    return adjusted(fit, places, pixels[kept], radii)
 
 
 def _warnings(

@@ -49,16 +49,15 @@ class Lens:
         """
         return pixels - magnification * (pixels - self.matrix[:2, 2])
 
-    def deviated(self, direction: int) -> "Lens":
-        """The lens as it might be, too.
+    def changed(self, change: Float64[np.ndarray, " parameters"]) -> "Lens":
+        """The lens with other numbers.
 
         Args:
-            direction: Which of `deviations`.
+            change: What is added to fx, fy, cx, cy and five terms of the distortion.
 
         Returns:
-            The lens a standard deviation away.
+            The other lens.
         """
-        change = self.deviations[direction]
         matrix, distortion = self.matrix.copy(), self.distortion.copy()
         matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += change[:4]
         distortion[:5] += change[4 : 4 + len(distortion[:5])]

@@ -55,15 +55,73 @@ def fit_plane(
     Returns:
         The fit.
     """
-    starts = _starts(lens, places, seen) if begin is None else [_pose(begin)]
+    starts = _starts(lens, places, seen) if begin is None else [pose_of(begin)]
     fits = [_refined(lens, places, seen, radius, start) for start in starts]
     before = [fit for fit in fits if _eye(fit.view)[2] > places[:, 2].max()]
     return min(before or fits, key=lambda fit: fit.rms)
 
 
-def _pose(view: View) -> Float64[np.ndarray, " 6"]:
+def pose_of(view: View) -> Float64[np.ndarray, " 6"]:
+    """Where a camera stands, as six numbers.
+
+    Args:
+        view: The camera.
+
+    Returns:
+        Rotation vector and translation [rad, m].
+    """
     turn = np.asarray(opencv().Rodrigues(view.rotation)[0], float)
     return np.concatenate([turn.ravel(), view.translation])
+
+
+def view_of(lens: Lens, pose: Float64[np.ndarray, " 6"]) -> View:
+    """A camera of a place.
+
+    Args:
+        lens: Its lens.
+        pose: Rotation vector and translation [rad, m].
+
+    Returns:
+        The camera.
+    """
+    return View(lens, opencv().Rodrigues(pose[:3])[0], pose[3:])
+
+
+def undistorted(
+    view: View,
+    places: Float64[np.ndarray, "marks 3"],
+    seen: Float64[np.ndarray, "marks 2"],
+    radius: Float64[np.ndarray, " marks"],
+) -> Float64[np.ndarray, "marks 2"]:
+    """How far marks are seen from where a camera has them, without distortion.
+
+    Args:
+        view: The camera.
+        places: The marks in the frame's coordinates [m].
+        seen: Centroids of their images [px].
+        radius: Radius of those that are discs, 0 of others [m].
+
+    Returns:
+        Seen less expected [px].
+    """
+    directions = view.lens.directions(seen - _offsets(view, places, radius))
+    return _apart(view, places, directions)
+
+
+def _offsets(
+    view: View, places: Float64[np.ndarray, "marks 3"], radius: Float64[np.ndarray, " marks"]
+) -> Float64[np.ndarray, "marks 2"]:
+    pairs = zip(places, radius, strict=True)
+    return np.concatenate([view.centroid_offset(p[None], r or 1e-6) for p, r in pairs])
+
+
+def _apart(
+    view: View,
+    places: Float64[np.ndarray, "marks 3"],
+    directions: Float64[np.ndarray, "marks 2"],
+) -> Float64[np.ndarray, "marks 2"]:
+    points = places @ view.rotation.T + view.translation
+    return (directions - points[:, :2] / points[:, 2:]) * view.lens.matrix[[0, 1], [0, 1]]
 
 
 def _eye(view: View) -> Float64[np.ndarray, " 3"]:
@@ -98,30 +156,17 @@ def _refined(
     radius: Float64[np.ndarray, " marks"],
     start: Float64[np.ndarray, " 6"],
 ) -> Marks:
-    cv2 = opencv()
-    scale = lens.matrix[[0, 1], [0, 1]]
-
-    def view(pose: Float64[np.ndarray, " 6"]) -> View:
-        return View(lens, cv2.Rodrigues(pose[:3])[0], pose[3:])
-
-    def offsets(pose: Float64[np.ndarray, " 6"]) -> Float64[np.ndarray, "marks 2"]:
-        at = view(pose)
-        pairs = zip(places, radius, strict=True)
-        return np.concatenate([at.centroid_offset(p[None], r or 1e-6) for p, r in pairs])
-
     pose = start
     for _ in range(2):  # The centroids' offsets hardly depend on the pose.
-        directions = lens.directions(seen - offsets(pose))
+        directions = lens.directions(seen - _offsets(view_of(lens, pose), places, radius))
 
         def misfit(
             pose: Float64[np.ndarray, " 6"],
             directions: Float64[np.ndarray, "marks 2"] = directions,
         ) -> Float64[np.ndarray, " numbers"]:
-            at = view(pose)
-            points = places @ at.rotation.T + at.translation
-            return ((directions - points[:, :2] / points[:, 2:]) * scale).ravel()
+            return _apart(view_of(lens, pose), places, directions).ravel()
 
         pose = scipy.optimize.least_squares(
             misfit, pose, loss="soft_l1", f_scale=_SCALE, x_scale=np.full(6, 1e-2), xtol=1e-12
         ).x
-    return Marks(view(pose), misfit(pose).reshape(-1, 2))
+    return Marks(view_of(lens, pose), misfit(pose).reshape(-1, 2))

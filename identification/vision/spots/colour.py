@@ -72,7 +72,7 @@ class ColouredDisc(Look):
         level = np.round(stored(disc.colour)).astype(np.uint8).reshape(1, 1, 3)
         if not coloured(level, self.colour).any():
             return None
-        return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit)
+        return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit, disc.variance)
 
     def places(
         self, picture: Picture, least: float, most: float
@@ -121,7 +121,7 @@ def _measured(
     disc = measure(picture, near, shape)
     if disc is None:
         return None
-    return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit)
+    return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit, disc.variance)
 
 
 def _travel(

@@ -38,6 +38,10 @@ _LIMIT = 0.35  # share: noise has 0.1, another thing 0.5 and more
 _MARGIN = 2.6  # blurs: 1 % of the edge's light is farther out
 _CLOSE = 3e-3  # px
 _LEAST_AMPLITUDE = 0.2
+_PIECES = 12
+"""Pieces of a disc's edge that are off independently of each other."""
+_ROUND_FITTED = 3
+"""Numbers that are fitted along the edge: both coordinates and the size."""
 _SQRT_TAU = np.sqrt(2 * np.pi)
 
 
@@ -73,6 +77,8 @@ class Disc:
     """Root mean square of the pixels' shares about the fit [1]."""
     colour: Float64[np.ndarray, " 3"]
     """Its colour in linear light, BGR [1]."""
+    variance: Float64[np.ndarray, " 2"]
+    """Of its centre's coordinates, by what the pixels are off by, see `_variance` [px²]."""
 
 
 def measure(
@@ -121,7 +127,30 @@ def measure(
             return None
         if turn > 1 and np.abs(move[:2]).max() < _CLOSE:
             break
-    return _judged(share, fitted, off, cover, reach, centre, scale, colours)
+    angle = np.arctan2(y - centre[1], x - centre[0])
+    variance = (
+        _variance(model, scaled, share - fitted, angle) / max(step[3], _LEAST_AMPLITUDE) ** 2
+    )
+    return _judged(share, fitted, off, cover, reach, centre, scale, colours, variance)
+
+
+def _variance(
+    model: Float64[np.ndarray, "5 pixels"],
+    scaled: Float64[np.ndarray, "5 pixels"],
+    error: Float64[np.ndarray, " pixels"],
+    angle: Float64[np.ndarray, " pixels"],
+) -> Float64[np.ndarray, " 2"]:
+    """Variance of a disc's place by what its pixels are off by.
+
+    Neighbouring pixels are off together: a Bayer pattern's colours and a codec's blocks are
+    interpolated over several. So the pull of each piece of the edge is taken as a whole, and
+    the pieces for independent. To take the pixels for independent would be simpler, and says
+    half of it.
+    """
+    piece = np.minimum(((angle + np.pi) * (_PIECES / (2 * np.pi))).astype(int), _PIECES - 1)
+    pulls = np.stack([np.bincount(piece, row, _PIECES) for row in scaled * error])
+    moved = np.linalg.solve(scaled @ model.T + 1e-9 * np.eye(5), pulls)
+    return (moved[:2] ** 2).sum(axis=1) * (_PIECES / (_PIECES - _ROUND_FITTED))
 
 
 def _judged(
@@ -133,6 +162,7 @@ def _judged(
     centre: Float64[np.ndarray, " 2"],
     scale: float,
     colours: tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]],
+    variance: Float64[np.ndarray, " 2"],
 ) -> Disc:
     """What the last round found."""
     error = share - fitted
@@ -142,7 +172,7 @@ def _judged(
     hidden = float((inside * other).sum() / inside.sum())
     good = reach & ~other
     misfit = float(np.sqrt((error[good] ** 2).mean())) if good.any() else np.inf
-    return Disc(centre, scale, hidden, misfit, colours[0])
+    return Disc(centre, scale, hidden, misfit, colours[0], variance)
 
 
 def _other_colour(

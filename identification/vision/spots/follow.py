@@ -49,6 +49,8 @@ class Seen:
     """Share that is covered [1]."""
     misfit: Float64[np.ndarray, " spots"]
     """How much they are unlike their shape [1]."""
+    variance: Float64[np.ndarray, "spots 2"]
+    """Of their coordinates, by their own pictures [px²]."""
 
 
 class Follower:
@@ -271,4 +273,5 @@ def _seen(sightings: Sequence[Sighting | None]) -> Seen:
         np.array([np.nan if each is None else each.scale for each in sightings]),
         np.array([np.nan if each is None else each.hidden for each in sightings]),
         np.array([np.nan if each is None else each.misfit for each in sightings]),
+        np.array([_MISSING if each is None else each.variance for each in sightings]),
     )

@@ -26,6 +26,10 @@ class Sighting:
     """Share of it that is covered [1]."""
     misfit: float
     """How much it is unlike its shape [1]."""
+    variance: Float64[np.ndarray, " 2"] = dataclasses.field(
+        default_factory=lambda: np.full(2, np.nan)
+    )
+    """Of its centre's coordinates by its own picture; NaN where that doesn't tell [px²]."""
 
     @property
     def is_whole(self) -> bool:

@@ -9,8 +9,10 @@ by $a o^2 / 2$, 0.3 mm at 10 m/s². At the ends of a track, where the polynomial
 out of its points, it is of second order.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int
 
 _SIDES = 2
 _APART = 5.0
@@ -33,14 +35,10 @@ def interpolation_error(
     Returns:
         The difference in each direction; NaN where there is no value.
     """
-    good = np.flatnonzero(np.isfinite(values[:, 0]) & np.isfinite(measured))
     error = np.full_like(values, np.nan)
-    if len(good) < 2:
-        return error
-    interval = _interval(wanted)
-    for place, k in enumerate(good):
-        chosen = _neighbours(good, place, measured, interval)
-        if len(chosen) < 3:
+    for k, chosen in _told_by(values, measured, wanted):
+        if len(chosen) == 1:
+            error[k] = 0.0
             continue
         whole = lagrange(measured[chosen], wanted[k]) @ values[chosen]
         fewer = np.delete(chosen, np.argmax(np.abs(measured[chosen] - wanted[k])))
@@ -65,39 +63,44 @@ def at_frame_times(
     Returns:
         The values then; NaN where too few neighbours tell how they change.
     """
-    good = np.flatnonzero(np.isfinite(values[:, 0]) & np.isfinite(measured))
     result = np.full_like(values, np.nan)
-    if len(good) < 2:
-        return _untouched(values, measured, wanted)
-    interval = _interval(wanted)
-    for place, k in enumerate(good):
-        if abs(measured[k] - wanted[k]) < _TIMELESS * interval:
-            result[k] = values[k]
-            continue
-        chosen = _neighbours(good, place, measured, interval)
-        if len(chosen) >= 3:
-            weights = lagrange(measured[chosen], wanted[k])
-            result[k] = weights @ values[chosen]
+    for k, chosen in _told_by(values, measured, wanted):
+        result[k] = lagrange(measured[chosen], wanted[k]) @ values[chosen]
     return result
 
 
-def _interval(times: Float64[np.ndarray, " frames"]) -> float:
-    """Usual time from a picture to the next."""
-    return float(np.median(np.diff(times[np.isfinite(times)])))
-
-
-def _untouched(
+def _told_by(
     values: Float64[np.ndarray, "frames 2"],
     measured: Float64[np.ndarray, " frames"],
     wanted: Float64[np.ndarray, " frames"],
-) -> Float64[np.ndarray, "frames 2"]:
-    """What needs no neighbours."""
-    return np.where((measured == wanted)[:, None], values, np.nan)
+) -> Iterator[tuple[int, Int[np.ndarray, " samples"]]]:
+    """Samples whose value is known at their picture's time, each with those that tell it.
+
+    One that was measured at that time tells itself; any other needs two neighbours.
+    """
+    good = np.flatnonzero(np.isfinite(values[:, 0]) & np.isfinite(measured))
+    interval = _interval(wanted)
+    for place, k in enumerate(good):
+        if abs(measured[k] - wanted[k]) <= _TIMELESS * interval:
+            yield k, good[place : place + 1]
+            continue
+        chosen = _neighbours(good, place, measured, interval)
+        if len(chosen) >= 3:
+            yield k, chosen
+
+
+def _interval(times: Float64[np.ndarray, " frames"]) -> float:
+    """Usual time from a picture to the next; 0 where there is no next one."""
+    steps = np.diff(times[np.isfinite(times)])
+    return float(np.median(steps)) if len(steps) else 0.0
 
 
 def _neighbours(
-    good: np.ndarray, place: int, measured: Float64[np.ndarray, " frames"], interval: float
-) -> np.ndarray:
+    good: Int[np.ndarray, " samples"],
+    place: int,
+    measured: Float64[np.ndarray, " frames"],
+    interval: float,
+) -> Int[np.ndarray, " chosen"]:
     """Two samples on each side; three in all where one side has none."""
     k = good[place]
     before = [

@@ -1,4 +1,15 @@
-"""What varies from picture to picture: noise of each marker, and what all have in common."""
+r"""What varies from picture to picture: noise of each marker, and what all have in common.
+
+Each disc's picture tells how far its place may be off (`spots.disc`), by direction: a fast
+disc is blurred along its way, a dark one has less light. Within a factor of two, as what pixels
+are off by depends on the codec. What the bodies don't allow tells the rest: a rigid body's
+markers keep their distances and a carriage its height, so what these do is error. Neither
+alone would do: no carriage says how far it is off along its guide, and no disc what its codec
+did to it.
+
+What changes slowly along the guides is the lens's and the plane's, which are told elsewhere,
+so a parabola in the place is taken off first.
+"""
 
 import dataclasses
 from collections.abc import Iterator
@@ -6,15 +17,26 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float64
 
+from identification.vision.lens import View
 from identification.vision.poses import Poses
 from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import of_bodies
 
 _LEAST_NOISE = 0.01  # px: where a disc lies on the pixels costs that
-_KEPT = 0.8  # share of the squares
-_OF_KEPT = 0.4377  # mean square of a normal deviate's smaller four fifths
+_UNKNOWN = 0.1  # px: of a tag, before its body is asked
+_KEPT = 0.95  # share of the squares
+_OF_KEPT = 0.7588  # mean square of a normal deviate's smaller 95 %
 _OF_UNSURE = 0.18  # of the step from one order to the next, by rendered films
-_OF_MISFIT = 0.65  # power, between none and proportional, by rendered films
+_STANDS_OUT, _OF_KINK = 6.0, 0.8  # of the median; of the step
+_LEAST_RATIO = 1e-2
+_MOVING = 1.1  # a codec blurs along the way what neither heights nor distances show
+_BY_HEIGHT = {True: np.array([0.5, 0.7]), False: np.array([0.75, 0.75])}
+"""Weights of the carriages' heights along x and y, of the end-effector's and of other markers;
+the end-effector's distances have the rest."""
+_ORDER, _FRAMES = (
+    2,
+    6,
+)  # of the polynomial that is taken off, and pictures for each of its terms
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,98 +53,166 @@ class Noise:
 
 def noise_of(
     vision: Vision,
+    view: View,
     poses: Poses,
-    size: Float64[np.ndarray, " markers"],
-    misfit: Float64[np.ndarray, " markers"],
+    variance: Float64[np.ndarray, "frames markers 2"],
+    *,
+    shaken: bool,
 ) -> Noise:
-    """Noise of the markers, by what their bodies don't allow.
-
-    Two markers beside each other tell by their distance how noisy they are along x, two
-    carriages by their heights along y: by the difference what each has of its own, by the
-    mean what they have in common. What tells a direction stands for all markers, as their
-    discs' misfits are: partly, as noise of the pixels has its part in both. A distance shows
-    errors that are opposite to each other, as of a plate's two edges in a fast picture, and
-    that the body's middle doesn't have; so the geometric mean of both directions is taken
-    where the distance says more than the heights.
+    """Noise of the markers.
 
     Args:
         vision: What is said of the video.
+        view: Where the camera stands.
         poses: The poses.
-        size: What a pixel is at each marker [m].
-        misfit: How much the markers' discs are unlike their shape [1].
+        variance: Of each marker's coordinates in each picture, by its disc; NaN where that
+            doesn't tell [px²].
+        shaken: Whether the camera shook: what was left of it moves all markers.
 
     Returns:
         Their noise.
     """
-    share = (misfit / misfit.mean()) ** _OF_MISFIT
-    heights = [
-        poses.off_body[:, k]
-        for body, members in of_bodies(vision)
-        for k in members
-        if body != "end_effector"
-    ]
-    scale = [
-        (size * share)[k]
-        for body, members in of_bodies(vision)
-        for k in members
-        if body != "end_effector"
-    ]
-    along_x = [_by_distance(vision, poses, size * share, members) for members in _rigid(vision)]
-    along_y, common = _by_heights(heights, scale)
-    told = [[x for x in along_x if np.isfinite(x)], [y for y in [along_y] if np.isfinite(y)]]
-    usual = [
-        float(np.sqrt(np.mean(np.square(way or [*told[0], *told[1], _LEAST_NOISE]))))
-        for way in told
-    ]
-    usual[0] = min(usual[0], float(np.sqrt(usual[0] * usual[1])))
-    own = np.maximum(np.array(usual)[:, None] * share, _LEAST_NOISE) * size
-    return Noise(own, common, _of_rows(poses))
+    expected = _expected(vision, view, poses, variance)
+    rigid = np.mean(list(_of_rigid(vision, poses, expected)) or [np.nan])
+    guided = np.mean(list(_of_guided(vision, poses, expected)) or [np.nan])
+    own = expected.copy()
+    for k, marker in enumerate(vision.markers):
+        alone = shaken and marker.body == "end_effector"
+        weights = _BY_HEIGHT[marker.body == "end_effector"]
+        own[k] *= _MOVING**2 * _scale(rigid, np.nan if alone else guided, weights)
+    common = _common(vision, poses, own) if shaken else 0.0
+    return Noise(np.sqrt(own).T, common, _of_rows(poses))
 
 
-def _rigid(vision: Vision) -> Iterator[list[int]]:
-    """Members of bodies with two markers or more that aren't above each other."""
+def _expected(
+    vision: Vision,
+    view: View,
+    poses: Poses,
+    variance: Float64[np.ndarray, "frames markers 2"],
+) -> Float64[np.ndarray, "markers 2"]:
+    """Mean variances along x and y, by the discs [m²]; NaN of what was never seen."""
+    means = np.full(variance.shape[1:], np.nan)
+    for k, marker in enumerate(vision.markers):
+        seen = np.isfinite(poses.places[:, k, 0])
+        if not seen.any():
+            continue
+        place = np.median(poses.places[seen, k], axis=0)
+        footprint = view.footprint(np.array([*place, marker.depth]))
+        told = variance[seen & np.isfinite(variance[:, k, 0]), k]
+        pixels = np.mean(told, axis=0) if len(told) else np.full(2, _UNKNOWN**2)
+        means[k] = np.linalg.inv(footprint) ** 2 @ np.maximum(pixels, _LEAST_NOISE**2)
+    return means
+
+
+def _of_rigid(
+    vision: Vision, poses: Poses, expected: Float64[np.ndarray, "markers 2"]
+) -> Iterator[float]:
+    """How much more a rigid body's distances scatter than its discs let expect [ln]."""
     for body, members in of_bodies(vision):
-        if body != "end_effector":
+        if body != "end_effector" or not np.isfinite(expected[members]).all():
             continue
         own = np.array([[vision.markers[k].x, vision.markers[k].y] for k in members])
-        wide = np.ptp(own, axis=0)
-        if len(members) > 2 or wide[0] >= wide[1]:
-            yield members
+        off, along = _off_body(poses, members)
+        if not len(off):
+            continue
+        projector = _projector(own)
+        values, vectors = np.linalg.eigh(projector)
+        free = off @ vectors[:, values > 0.5]
+        scatter = sum(_trimmed(_straight(each, along)) for each in free.T)
+        yield _ratio(scatter, np.diag(projector) @ expected[members].ravel())
 
 
-def _by_distance(
-    vision: Vision, poses: Poses, scale: Float64[np.ndarray, " markers"], members: list[int]
-) -> float:
-    """Noise of a rigid body's markers [px]: of 2 n numbers three are the pose."""
-    off = poses.off_body[:, members] / scale[members]
-    left = (2 * len(members) - 3) / len(members)
-    return float(np.sqrt(_trimmed(off[np.isfinite(off).all(axis=1)]) / left))
+def _of_guided(
+    vision: Vision, poses: Poses, expected: Float64[np.ndarray, "markers 2"]
+) -> Iterator[float]:
+    """How much more carriages' heights scatter than their discs let expect [ln]."""
+    for k, marker in enumerate(vision.markers):
+        seen = np.isfinite(poses.places[:, k, 0])
+        if marker.body != "end_effector" and seen.any():
+            along, height = poses.places[seen, k].T
+            yield _ratio(_trimmed(_straight(height, along)), expected[k, 1])
 
 
-def _by_heights(
-    heights: list[Float64[np.ndarray, " frames"]], scale: list[float]
-) -> tuple[float, float]:
-    """Noise of the carriages' markers of their own [px], and in common [m]."""
-    if not heights:
-        return float("nan"), 0.0
-    if len(heights) == 1:
-        return float(np.sqrt(_trimmed(heights[0]))) / scale[0], 0.0
-    difference, mean = heights[0] - heights[1], (heights[0] + heights[1]) / 2
-    own = _trimmed(difference)
-    own = 0.0 if np.isnan(own) else own
-    common = max(_trimmed(mean) - own / 4, 0.0)
-    return float(np.sqrt(own / (scale[0] ** 2 + scale[1] ** 2))), float(np.sqrt(common))
+def _ratio(scatter: float, expected: float) -> float:
+    """Logarithm of a ratio of variances; what doesn't scatter at all was no measurement."""
+    return float(np.log(max(scatter / expected, _LEAST_RATIO)))
+
+
+def _scale(
+    rigid: float, guided: float, weights: Float64[np.ndarray, " 2"]
+) -> Float64[np.ndarray, " 2"]:
+    """By how much variances along x and y are more than discs let expect."""
+    if np.isnan(rigid) or np.isnan(guided):
+        told = [each for each in (rigid, guided) if np.isfinite(each)]
+        return np.full(2, np.exp(told[0] if told else 0.0))
+    return np.exp(weights * guided + (1 - weights) * rigid)
+
+
+def _off_body(
+    poses: Poses, members: list[int]
+) -> tuple[Float64[np.ndarray, "frames numbers"], Float64[np.ndarray, " frames"]]:
+    """Where a rigid body's markers are in its own axes, and where it is [m]."""
+    at = poses.places[:, members]
+    seen = np.isfinite(at).all(axis=(1, 2)) & np.isfinite(poses.values["delta_e"])
+    at, angle = at[seen], poses.values["delta_e"][seen]
+    off = at - at.mean(axis=1, keepdims=True)
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    x = cosine * off[..., 0] + sine * off[..., 1]
+    y = cosine * off[..., 1] - sine * off[..., 0]
+    return np.stack([x, y], axis=-1).reshape(len(at), -1), at[..., 0].mean(axis=1)
+
+
+def _projector(own: Float64[np.ndarray, "markers 2"]) -> Float64[np.ndarray, "numbers numbers"]:
+    """What a rigid body's pose leaves of its markers' errors: two moves and a turn are gone."""
+    arm = own - own.mean(axis=0)
+    moves = np.zeros((*own.shape, 3))
+    moves[:, 0, 0] = moves[:, 1, 1] = 1.0
+    moves[:, 0, 2], moves[:, 1, 2] = -arm[:, 1], arm[:, 0]
+    flat = np.linalg.qr(moves.reshape(-1, 3))[0]
+    return np.eye(len(flat)) - flat @ flat.T
+
+
+def _common(vision: Vision, poses: Poses, own: Float64[np.ndarray, "markers 2"]) -> float:
+    """What the carriages' heights have in common [m]: their guides stand still."""
+    members = [k for body, many in of_bodies(vision) if body != "end_effector" for k in many]
+    at = poses.places[:, members]
+    at = at[np.isfinite(at).all(axis=(1, 2))]
+    if len(members) < 2 or not len(at):
+        return 0.0
+    heights = np.mean([_straight(each[:, 1], each[:, 0]) for each in at.swapaxes(0, 1)], axis=0)
+    alone = own[members, 1].sum() / len(members) ** 2
+    return float(np.sqrt(max(_trimmed(heights) - alone, 0.0)))
+
+
+def _straight(
+    values: Float64[np.ndarray, " frames"], along: Float64[np.ndarray, " frames"]
+) -> Float64[np.ndarray, " frames"]:
+    """Values without what changes slowly along the guides."""
+    order = min(_ORDER, max(len(values) // _FRAMES - 1, 0))
+    apart = along - along.mean()
+    powers = (apart / (np.abs(apart).max() or 1.0))[:, None] ** np.arange(order + 1)
+    left = values - powers @ np.linalg.lstsq(powers, values, rcond=None)[0]
+    return left * np.sqrt(len(values) / max(len(values) - order - 1, 1))
 
 
 def _of_rows(poses: Poses) -> Float64[np.ndarray, "2 markers"]:
-    """What rows that have another time than the picture add, root mean square [m]."""
-    used = np.where(np.isfinite(poses.places), poses.unsure, np.nan)
-    count = np.maximum(np.isfinite(used).sum(axis=0), 1)
-    return _OF_UNSURE * np.sqrt(np.nansum(used**2, axis=0) / count).T
+    """What rows that have another time than the picture add, root mean square [m].
+
+    Most of a step from one order to the next is noise. What stands out is a kink, as where a
+    torque is switched on, and there the step is no more than what it is off by.
+    """
+    rows = np.zeros(poses.unsure.shape[:0:-1])
+    for axis, k in np.ndindex(rows.shape):
+        step = poses.unsure[np.isfinite(poses.places[:, k, 0]), k, axis]
+        step = step[np.isfinite(step)]
+        if len(step):
+            kink = step > _STANDS_OUT * np.median(step)
+            rows[axis, k] = np.sqrt(np.mean((np.where(kink, _OF_KINK, _OF_UNSURE) * step) ** 2))
+    return rows
 
 
-def _trimmed(off: Float64[np.ndarray, "..."]) -> float:
-    """Mean square by the smaller four fifths: some bad pictures tell nothing of the others."""
-    square = np.sort((off[np.isfinite(off)] ** 2).ravel())
+def _trimmed(off: Float64[np.ndarray, " frames"]) -> float:
+    """Mean square without the largest twentieth, which tells nothing of the others."""
+    square = np.sort(off**2)
     kept = square[: max(1, int(np.ceil(_KEPT * len(square))))]
-    return float(kept.mean() / _OF_KEPT) if len(kept) else float("nan")
+    return float(kept.mean() / _OF_KEPT)

@@ -3,39 +3,30 @@
 import numpy as np
 from jaxtyping import Float64
 
-from identification.vision.lens import Lens, Marks, View, fit_plane
+from identification.vision.lens import Adjusted, View
 from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import of_bodies
-from identification.vision.spots.marks import colour_magnification, mark_places, mark_radii
+from identification.vision.spots.marks import colour_magnification
 
-_LEAST_ERROR = 0.01  # px
-_STEP = 0.05  # px
-_OF_COLOUR = 0.5  # of the correction: so well is it known
-_SHARED = 1.3  # for what all photos share, by rendered films
+_OF_COLOUR = 0.25  # of the correction: so well is it known
 
 
 def systematic_variances(
-    vision: Vision,
-    marks: Marks,
-    mark_pixels: Float64[np.ndarray, "marks 2"],
-    places: Float64[np.ndarray, "samples markers 2"],
+    vision: Vision, fit: Adjusted, places: Float64[np.ndarray, "samples markers 2"]
 ) -> dict[str, float]:
     """Variances of the columns by what is the same in every picture.
 
     Args:
         vision: What is said of the video.
-        marks: The marks' plane.
-        mark_pixels: Where the marks are seen in the mean, NaN where they aren't [px].
+        fit: The lens and the marks' plane.
         places: Where the markers were, in some pictures [m].
 
     Returns:
         Variances of the columns [m², rad²].
     """
-    shifts = [
-        *_by_lens(vision, marks, mark_pixels, places),
-        *_by_marks(vision, marks, mark_pixels, places),
-        _by_colour(vision, marks.view, places),
-    ]
+    view = fit.marks.view
+    shifts = [_moved(vision, view, other, places) for other in fit.others]
+    shifts.append(_by_colour(vision, view, places))
     variances: dict[str, float] = {}
     for shift in shifts:
         for name, value in _columns(vision, shift).items():
@@ -43,50 +34,10 @@ def systematic_variances(
     return variances
 
 
-def _by_lens(
-    vision: Vision,
-    marks: Marks,
-    mark_pixels: Float64[np.ndarray, "marks 2"],
-    places: Float64[np.ndarray, "samples markers 2"],
-) -> list[Float64[np.ndarray, "samples markers 2"]]:
-    """How each standard deviation of the lens moves the markers.
-
-    It is somewhat more than the photos' differences say: what they share, as a board that
-    isn't flat, isn't in them.
-    """
-    lens = marks.view.lens
-    others = [lens.deviated(k) for k in range(len(lens.deviations))]
-    return [
-        _SHARED
-        * _moved(vision, marks.view, _refit(vision, mark_pixels, other, marks.view), places)
-        for other in others
-    ]
-
-
-def _by_marks(
-    vision: Vision,
-    marks: Marks,
-    mark_pixels: Float64[np.ndarray, "marks 2"],
-    places: Float64[np.ndarray, "samples markers 2"],
-) -> list[Float64[np.ndarray, "samples markers 2"]]:
-    """How a standard deviation of each mark moves the markers."""
-    count = np.count_nonzero(np.isfinite(mark_pixels[:, 0]))
-    left = max(2 * count - 6, 1)
-    error = max(np.sqrt((marks.residual**2).sum() / left), _LEAST_ERROR)
-    shifts = []
-    for k in np.flatnonzero(np.isfinite(mark_pixels[:, 0])):
-        for axis in range(2):
-            moved = mark_pixels.copy()
-            moved[k, axis] += _STEP
-            other = _refit(vision, moved, marks.view.lens, marks.view)
-            shifts.append(_moved(vision, marks.view, other, places) * error / _STEP)
-    return shifts
-
-
 def _by_colour(
     vision: Vision, view: View, places: Float64[np.ndarray, "samples markers 2"]
 ) -> Float64[np.ndarray, "samples markers 2"]:
-    """A half of what lateral colour moves the markers by: so well is it known."""
+    """A quarter of what lateral colour moves the markers by: so well is it known."""
     shift = np.zeros_like(places)
     for k, marker in enumerate(vision.markers):
         own = _OF_COLOUR * colour_magnification(vision, marker, view.lens.lateral)
@@ -94,14 +45,6 @@ def _by_colour(
         seen = view.lens.without_colour(view.pixels(at), own)
         shift[:, k] = view.places(seen, marker.depth) - places[:, k]
     return np.nan_to_num(shift)
-
-
-def _refit(
-    vision: Vision, mark_pixels: Float64[np.ndarray, "marks 2"], lens: Lens, begin: View
-) -> View:
-    kept = np.isfinite(mark_pixels[:, 0])
-    places, radii = mark_places(vision)[kept], mark_radii(vision)[kept]
-    return fit_plane(lens, places, mark_pixels[kept], radii, begin=begin).view
 
 
 def _moved(

@@ -57,6 +57,27 @@ def test_what_the_neighbours_disagree_about_is_told():
     assert error[4].max() == 0
 
 
+@hypothesis.given(
+    own=st.lists(st.booleans(), min_size=20, max_size=20),
+    seen=st.lists(st.booleans(), min_size=20, max_size=20),
+)
+def test_a_value_and_how_far_it_may_be_off_are_known_of_the_same_pictures(own, seen):
+    """Some rows are exposed at their picture's time, some pictures miss the marker."""
+    late = FRAMES + np.where(own, 0.0, 8e-3)
+    values = np.where(np.array(seen)[:, None], np.sin([40 * late, 30 * late]).T, np.nan)
+    found, error = (f(values, late, FRAMES) for f in (at_frame_times, interpolation_error))
+    np.testing.assert_array_equal(np.isnan(found), np.isnan(error))
+    there = np.array(own) & seen
+    np.testing.assert_array_equal(found[there], values[there])
+    assert (error[there] == 0).all()
+
+
+def test_a_picture_alone_has_a_value_only_at_its_own_time():
+    for late, known in ((0.0, True), (8e-3, False)):
+        found = at_frame_times(np.ones((1, 2)), np.array([1.0 + late]), np.array([1.0]))
+        assert np.isfinite(found).all() == known
+
+
 def test_weights_of_a_polynomial_add_up_to_one():
     assert lagrange(np.array([0.0, 1.0, 2.5]), 0.7).sum() == pytest.approx(1)
 
