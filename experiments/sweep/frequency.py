@@ -11,8 +11,8 @@ _MODES = max(condition.modes for condition in CONDITIONS)
 
 
 def _frequencies(robot: Robot, at: Values) -> tuple[Array, ...]:
-    height, body = at["y"], robot.end_effector
-    reachable = (height > body.lower_offset) & (height < robot.frame.height - body.upper_offset)
+    height, (low, high) = at["y"], robot.heights
+    reachable = (height > low) & (height < high)
     # Beyond, a cable would have to point the other way; the middle keeps the numbers real.
     inside = jnp.where(reachable, height, robot.frame.height / 2)
     modes = [natural_frequencies(robot, inside, condition) for condition in CONDITIONS]

@@ -113,8 +113,7 @@ def parse_position(text: str, *, name: str, robot: "Robot") -> tuple[float, floa
         )
     x, y = (parse_quantity(part.strip(), unit="m", name=name) for part in parts)
     width = float(robot.frame.width)
-    low = float(robot.end_effector.lower_offset)
-    high = float(robot.frame.height - robot.end_effector.upper_offset)
+    low, high = map(float, robot.heights)
     if not (0 <= x <= width and low < y < high):
         raise ValueError(
             f"`{name}` is outside of the frame, got x = {x:g} m, y = {y:g} m, expected x from "

@@ -212,12 +212,8 @@ class _Rig:
         wide = (
             q[:, [0, 2, 3]].min() > 0.05 and q[:, [0, 2, 3]].max() < float(frame.width) - 0.05
         )
-        body = self.robot.end_effector
-        low, high = (
-            float(body.lower_offset) + 0.05,
-            float(frame.height - body.upper_offset) - 0.05,
-        )
-        return bool(wide and q[:, 4].min() > low and q[:, 4].max() < high)
+        low, high = map(float, self.robot.heights)
+        return bool(wide and q[:, 4].min() > low + 0.05 and q[:, 4].max() < high - 0.05)
 
     def manoeuvre(self, trajectory: eqx.Module) -> _Logged:
         """A manoeuvre under the paper's PD, with a rest before and after."""

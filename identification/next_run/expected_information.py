@@ -251,9 +251,9 @@ def _encoder_weight(
 
 def _beyond(rig: Rig, states: State, record: Record) -> Float[Array, ""]:
     """How far a motion leaves its limits."""
-    body, frame = rig.robot.end_effector, rig.robot.frame
-    low = jnp.stack([jnp.asarray(MARGIN), body.lower_offset + MARGIN])
-    high = jnp.stack([frame.width - MARGIN, frame.height - body.upper_offset - MARGIN])
+    lowest, highest = rig.robot.heights
+    low = jnp.stack([jnp.asarray(MARGIN), lowest + MARGIN])
+    high = jnp.stack([rig.robot.frame.width - MARGIN, highest - MARGIN])
     active = record.angle_weight[:, :1] > 0
     place = jnp.where(active, states.pose, states.pose[:1])
     speed = jnp.where(active, jnp.abs(pose(states.velocity)), 0.0)

@@ -117,6 +117,12 @@ class Robot(eqx.Module):
     )
     """Gravitational acceleration [m/s²]; the paper leaves it out (0)."""
 
+    @property
+    def heights(self) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
+        """Lowest and highest place of the end-effector, its attachments at the guides [m]."""
+        body = self.end_effector
+        return body.lower_offset, self.frame.height - body.upper_offset
+
     def __repr__(self) -> str:
         """A line for each part, with units."""
         parts = ("frame", "end_effector", "lower_carriage", "upper_carriage", "cable", "drive")

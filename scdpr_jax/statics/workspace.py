@@ -102,8 +102,8 @@ def reachable_share(robot: Robot, *, end_effector_width: Float[Array, ""]) -> Fl
 
 
 def _inside_frame(robot: Robot, *, half_width: Float[Array, ""]) -> Region:
-    frame, body = robot.frame, robot.end_effector
+    low, high = robot.heights
     return Region(
-        lowest=jnp.stack([half_width, body.lower_offset]),
-        highest=jnp.stack([frame.width - half_width, frame.height - body.upper_offset]),
+        lowest=jnp.stack([half_width, low]),
+        highest=jnp.stack([robot.frame.width - half_width, high]),
     )

@@ -155,13 +155,11 @@ def recommend(
 def _poses(
     robot: Robot, grid: tuple[int, int]
 ) -> tuple[Float[np.ndarray, " columns"], Float[np.ndarray, " rows"]]:
-    frame, body = robot.frame, robot.end_effector
     columns, rows = grid
-    low = float(body.lower_offset) + _CLEAR
-    high = float(frame.height - body.upper_offset) - _CLEAR
-    first, last = (share * float(frame.width) for share in _ENDS)
+    low, high = map(float, robot.heights)
+    first, last = (share * float(robot.frame.width) for share in _ENDS)
     ends = np.linspace(first, last, columns) if columns > 1 else np.asarray([last])
-    return ends, np.linspace(low, high, rows)
+    return ends, np.linspace(low + _CLEAR, high - _CLEAR, rows)
 
 
 def _between(

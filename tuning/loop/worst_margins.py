@@ -75,9 +75,8 @@ def reach(robot: Robot) -> tuple[float, float]:
     Returns:
         Both heights of the end-effector [m].
     """
-    body = robot.end_effector
-    low = float(body.lower_offset) + _CLEAR
-    return low, float(robot.frame.height - body.upper_offset) - _CLEAR
+    low, high = map(float, robot.heights)
+    return low + _CLEAR, high - _CLEAR
 
 
 def margin_map(robots: Sequence[Fitted], controller: PD) -> MarginMap:

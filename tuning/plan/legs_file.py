@@ -66,8 +66,7 @@ def _leg(path: pathlib.Path, number: int, row: list[str], robot: Robot, count: i
         )
     x, y, x_to, y_to, time = numbers
     width = float(robot.frame.width)
-    low = float(robot.end_effector.lower_offset)
-    high = float(robot.frame.height - robot.end_effector.upper_offset)
+    low, high = map(float, robot.heights)
     inside = all(0 <= a <= width and low < b < high for a, b in ((x, y), (x_to, y_to)))
     if not inside or time <= 0 or (x, y) == (x_to, y_to):
         raise ValueError(

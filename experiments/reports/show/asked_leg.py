@@ -64,8 +64,9 @@ def sliders(robot: Robot) -> tuple[Slider, ...]:
         Start, end and time.
     """
     width, height = float(robot.frame.width), float(robot.frame.height)
-    low = math.ceil(100 * (float(robot.end_effector.lower_offset) + CLEAR)) / 100
-    high = math.floor(100 * (height - float(robot.end_effector.upper_offset) - CLEAR)) / 100
+    lowest, highest = map(float, robot.heights)
+    low = math.ceil(100 * (lowest + CLEAR)) / 100
+    high = math.floor(100 * (highest - CLEAR)) / 100
     left, right = 0.2, math.floor(100 * (width - 0.2)) / 100
     middle = round(height / 2, 2)
     return (

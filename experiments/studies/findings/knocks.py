@@ -140,12 +140,8 @@ def model_curve(robot: Robot) -> ModelCurve:
     Returns:
         The curve over the heights that the end-effector can reach.
     """
-    body, frame = robot.end_effector, robot.frame
-    height = np.linspace(
-        float(body.lower_offset) + _CLEAR,
-        float(frame.height - body.upper_offset) - _CLEAR,
-        _HEIGHTS,
-    )
+    low, high = map(float, robot.heights)
+    height = np.linspace(low + _CLEAR, high - _CLEAR, _HEIGHTS)
     return ModelCurve(height, np.asarray(_over_height(robot, height)))
 
 

@@ -85,13 +85,13 @@ class OnBoard:
         robot, controller = self.robot, self.controller
         about = stages.models(robot, controller, told=False)
         others, told = (scenarios(robot, VARIATIONS, told=own) for own in (False, True))
-        body, frame = robot.end_effector, robot.frame
+        lowest, highest = robot.heights
         single = {
             "RADIUS": robot.drive.effective_radius,
-            "FRAME_HEIGHT": frame.height,
-            "FRAME_WIDTH": frame.width,
-            "LOWEST": body.lower_offset,
-            "HIGHEST": float(frame.height) - float(body.upper_offset),
+            "FRAME_HEIGHT": robot.frame.height,
+            "FRAME_WIDTH": robot.frame.width,
+            "LOWEST": lowest,
+            "HIGHEST": highest,
             "STEEPEST": 2 * steepest_held_slope(robot) + planning.UNSTEADY,
         }
         for name, number in single.items():

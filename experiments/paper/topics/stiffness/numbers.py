@@ -66,13 +66,10 @@ def stiffness_map() -> Stiffness:
         The maps.
     """
     robot = consistent()
-    body, frame = robot.end_effector, robot.frame
-    x = np.linspace(_WIDTH / 2 + CLEAR, float(frame.width) - _WIDTH / 2 - CLEAR, _COLUMNS)
-    y = np.linspace(
-        float(body.lower_offset) + CLEAR,
-        float(frame.height - body.upper_offset) - CLEAR,
-        _ROWS,
-    )
+    width = float(robot.frame.width)
+    low, high = map(float, robot.heights)
+    x = np.linspace(_WIDTH / 2 + CLEAR, width - _WIDTH / 2 - CLEAR, _COLUMNS)
+    y = np.linspace(low + CLEAR, high - CLEAR, _ROWS)
     poses = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     both, lower, four = (np.asarray(part) for part in _maps(jnp.asarray(y), jnp.asarray(poses)))
     return Stiffness(x, y, both, lower, four.reshape(_COLUMNS, _ROWS))
