@@ -84,15 +84,9 @@ def _stated(text: str) -> list[float]:
 def _last_frames(run: pathlib.Path) -> list[float]:
     import numpy as np
 
-    from identification.campaign.read import read_campaign
+    from experiments.studies.legs.logged_legs import read_runs
 
-    campaign = read_campaign(run.resolve().parent, skip_bad_runs=True)
-    found = next((own for own in campaign.runs if own.name == run.resolve().name), None)
-    if found is None or found.camera is None:
-        raise ValueError(
-            f"`--start-run`: got {run}, expected a run's folder with a camera.csv without "
-            "faults. `scdpr check` says what is wrong with a run."
-        )
+    (found,), _ = read_runs([run], option="--start-run")
     seen = found.camera.position[np.all(np.isfinite(found.camera.position), axis=1)]
     if len(seen) == 0:
         raise ValueError(

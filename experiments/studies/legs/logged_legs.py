@@ -14,11 +14,14 @@ SEEN = [X, TILT, UPPER]
 """Columns of the camera that no drive leads."""
 
 
-def read_runs(folders: Sequence[pathlib.Path]) -> tuple[list[Run], Sensors]:
+def read_runs(
+    folders: Sequence[pathlib.Path], *, option: str = "--run"
+) -> tuple[list[Run], Sensors]:
     """Runs by their folders, and the noise of their sensors.
 
     Args:
         folders: Folders of runs, of one campaign.
+        option: The option that names them, for messages.
 
     Returns:
         The runs in this order, and the sensors.
@@ -30,7 +33,7 @@ def read_runs(folders: Sequence[pathlib.Path]) -> tuple[list[Run], Sensors]:
     homes = {folder.resolve().parent for folder in folders}
     if len(homes) != 1:
         raise ValueError(
-            f"`--run`: got runs of {len(homes)} campaigns, expected one: "
+            f"`{option}`: got runs of {len(homes)} campaigns, expected one: "
             f"{', '.join(map(str, folders)) or 'none'}. Put the legs into one folder."
         )
     campaign = read_campaign(homes.pop(), skip_bad_runs=True)
@@ -42,19 +45,19 @@ def read_runs(folders: Sequence[pathlib.Path]) -> tuple[list[Run], Sensors]:
             raise ValueError(f"{folder}: {faults[name][0]}")
         if name not in {own.name for own in campaign.runs}:
             raise ValueError(
-                f"`--run`: got {folder}, expected a run's folder, with run.toml, drive.csv and "
-                "camera.csv, in a campaign."
+                f"`{option}`: got {folder}, expected a run's folder, with run.toml, drive.csv "
+                "and camera.csv, in a campaign."
             )
         run = campaign.run(name)
         if run.camera is None:
             raise ValueError(
-                f"{folder}: has no camera.csv, expected one: encoders don't see what is to be "
-                "corrected. Log the leg with the camera."
+                f"`{option}`: {folder} has no camera.csv, expected one: encoders don't see how "
+                "the carriages lie. Log it with the camera."
             )
         runs.append(run)
     if len({own.pretension for own in runs}) > 1:
         raise ValueError(
-            "`--run`: the runs have the settings "
+            f"`{option}`: the runs have the settings "
             f"{', '.join(sorted({own.pretension_label for own in runs}))}, expected one: "
             "tensions differ. Refine one setting after the other."
         )
