@@ -138,6 +138,8 @@ class Run:
     """Moment of the knock, of a pseudo-impulse."""
     clock_offset: float | None = dataclasses.field(default=0.0, metadata=si("s", r"\Delta t"))
     """Camera time minus drive time [s], None if it is unknown and to be estimated."""
+    in_motion: bool = False
+    """Whether it begins in motion, so that its start velocities are estimated."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -95,7 +95,7 @@ def _half_misfit(problem: Problem, vector: Float[Array, " n"]) -> Float[Array, "
             parts.append((at, sums.gradient, jnp.sum(sums.cost) + jnp.sum(sums.prior_cost)))
         bare = [k for k, i in enumerate(logs.motors) if i not in problem.held_out]
         if bare:
-            at = np.stack([unknowns.local[logs.motors[k]] for k in bare])
+            at = np.stack([unknowns.of_bare(logs.motors[k]) for k in bare])
             records = jax.tree.map(lambda leaf: leaf[np.array(bare)], logs.motor_records)
             sums = over_lanes(motor_sums, problem.prior, free, x[at], records)
             parts.append((at, sums.gradient, jnp.sum(sums.cost)))

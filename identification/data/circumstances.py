@@ -18,6 +18,49 @@ from identification.data.start import USUAL_ARM, USUAL_DRIFT, Clock, Start
 from scdpr_jax.robot.fields import real, si
 
 
+class Beginning(eqx.Module):
+    """How a run begins that doesn't begin at rest.
+
+    The end-effector's place is told from where it would rest between the carriages, so that a
+    run at rest has zeros. The lower carriage and the height go with the drives.
+    """
+
+    aside: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m", "x_e(0)"))
+    """Start of the end-effector, less where it would rest [m]."""
+    tilt: Float[Array, "..."] = eqx.field(converter=real, metadata=si("rad", r"\delta_e(0)"))
+    """Its rotation, less that at rest [rad]."""
+    speed: Float[Array, "..."] = eqx.field(converter=real, metadata=si("m/s", r"\dot x_e(0)"))
+    """Velocity of the end-effector [m/s]."""
+    turning: Float[Array, "..."] = eqx.field(
+        converter=real, metadata=si("rad/s", r"\dot\delta_e(0)")
+    )
+    """Its angular velocity [rad/s]."""
+    upper_speed: Float[Array, "..."] = eqx.field(
+        converter=real, metadata=si("m/s", r"\dot q_4(0)")
+    )
+    """Velocity of the upper carriage [m/s]."""
+    drive_1_speed: Float[Array, "..."] = eqx.field(
+        converter=real, metadata=si("rad/s", r"\dot\alpha_1(0)")
+    )
+    """Angular velocity of the first drive's pulley [rad/s]."""
+    drive_2_speed: Float[Array, "..."] = eqx.field(
+        converter=real, metadata=si("rad/s", r"\dot\alpha_2(0)")
+    )
+    """Angular velocity of the second drive's pulley [rad/s]."""
+
+    @property
+    def vector(self) -> Float[Array, " beginning"]:
+        """One number for each, in the order of the fields."""
+        return jnp.stack([getattr(self, name) for name in BEGINNING])
+
+
+BEGINNING = tuple(field.name for field in dataclasses.fields(Beginning))
+"""Names of what a run in motion begins with, in their order."""
+
+TURNING_DRIVES = ("drive_1_speed", "drive_2_speed")
+"""Those of them that bare drives have."""
+
+
 class Circumstances(eqx.Module):
     """What belongs to one run alone and is estimated with the robot's parameters."""
 
@@ -35,27 +78,35 @@ class Circumstances(eqx.Module):
     """Camera time minus drive time at the run's first row, beyond what the log says [s]."""
     clock_drift: Float[Array, "..."] = eqx.field(converter=real, metadata=si("1"))
     """By how much the camera's clock runs faster than the drives' [1]."""
+    beginning: Beginning | None = None
+    """How the run begins, None where no run of its campaign begins in motion."""
 
     @classmethod
     def of(cls, vector: Float[Array | np.ndarray, " circumstances"]) -> "Circumstances":
         """The circumstances that a vector of them stands for.
 
         Args:
-            vector: One number for each, in the order of the fields.
+            vector: One number for each, in the order of `NAMES`, then of `BEGINNING` where
+                a run of the campaign begins in motion.
 
         Returns:
             The circumstances.
         """
-        return cls(*vector)
+        numbers = [*vector]
+        beginning = Beginning(*numbers[len(NAMES) :]) if len(numbers) > len(NAMES) else None
+        return cls(*numbers[: len(NAMES)], beginning=beginning)
 
     @property
     def vector(self) -> Float[Array, " circumstances"]:
-        """One number for each, in the order of the fields."""
-        return jnp.stack([getattr(self, name) for name in NAMES])
+        """One number for each, in the order of `NAMES`, then of `BEGINNING`."""
+        usual = jnp.stack([getattr(self, name) for name in NAMES])
+        return usual if self.beginning is None else jnp.append(usual, self.beginning.vector)
 
 
-NAMES = tuple(field.name for field in dataclasses.fields(Circumstances))
-"""Names of the circumstances, in their order."""
+NAMES = tuple(
+    field.name for field in dataclasses.fields(Circumstances) if field.name != "beginning"
+)
+"""Names of the circumstances of any run, in their order."""
 
 
 def _part(first: str, last: str) -> slice:
@@ -72,15 +123,31 @@ CLOCK = _part("clock_offset", "clock_drift")
 """Where the camera's clock stands, which moves no robot."""
 
 
-def open_circumstances(run: Run, *, clock_drifts: bool) -> Bool[np.ndarray, " circumstances"]:
+def names_of(*, in_motion: bool) -> tuple[str, ...]:
+    """Names of the circumstances of a campaign's runs, in the order of their vectors.
+
+    Args:
+        in_motion: Whether any of the runs begins in motion.
+
+    Returns:
+        `NAMES`, and `BEGINNING` at need: every number costs each Jacobian a simulation.
+    """
+    return (*NAMES, *BEGINNING) if in_motion else NAMES
+
+
+def open_circumstances(
+    run: Run, *, clock_drifts: bool, in_motion: bool = False
+) -> Bool[np.ndarray, " circumstances"]:
     """Which of its circumstances a run leaves open.
 
     Args:
         run: The run.
         clock_drifts: Whether the cameras' clocks may drift.
+        in_motion: Whether any run of the campaign begins in motion.
 
     Returns:
-        True for each one to estimate; a run of the bare drives has none.
+        True for each one to estimate; a run of the bare drives has none, or what they begin
+        with.
     """
     cabled = run.kind != "motor_step"
     knocked = cabled and run.knock is not None
@@ -94,7 +161,9 @@ def open_circumstances(run: Run, *, clock_drifts: bool) -> Bool[np.ndarray, " ci
         "clock_offset": seen and run.clock_offset is None,
         "clock_drift": seen and clock_drifts,
     }
-    return np.array([is_open[name] for name in NAMES])
+    begun = BEGINNING if cabled else TURNING_DRIVES
+    is_open |= {name: run.in_motion and name in begun for name in BEGINNING}
+    return np.array([is_open[name] for name in names_of(in_motion=in_motion)])
 
 
 class Prior(eqx.Module):
@@ -118,7 +187,9 @@ class Prior(eqx.Module):
         return self.weight * (self.mean - circumstances.vector)
 
 
-def prior(run: Run, start: Start, clock: Clock, *, clock_drifts: bool) -> Prior:
+def prior(
+    run: Run, start: Start, clock: Clock, *, clock_drifts: bool, in_motion: bool = False
+) -> Prior:
     """What is known of a run's circumstances before any fit.
 
     Args:
@@ -126,6 +197,7 @@ def prior(run: Run, start: Start, clock: Clock, *, clock_drifts: bool) -> Prior:
         start: What is known of where it starts.
         clock: What is known of its camera's clock, which the stamps were put right by.
         clock_drifts: Whether the cameras' clocks may drift.
+        in_motion: Whether any run of the campaign begins in motion.
 
     Returns:
         Expectations and their inverse standard deviations.
@@ -134,9 +206,13 @@ def prior(run: Run, start: Start, clock: Clock, *, clock_drifts: bool) -> Prior:
     length = run.drive.time[-1] - run.drive.time[0]
     # What was known of the offset was its mean over the run.
     offset_sigma = np.hypot(clock.sigma, drift * length / 2)
-    mean, weight = (dict.fromkeys(NAMES, 0.0) for _ in range(2))
+    names = names_of(in_motion=in_motion)
+    mean, weight = (dict.fromkeys(names, 0.0) for _ in range(2))
     mean |= zip(NAMES[START], start.position, strict=True)
     weight |= zip(NAMES[START], 1 / start.sigma, strict=True)
+    if start.beginning is not None:
+        mean |= zip(BEGINNING, start.beginning.value, strict=True)
+        weight |= zip(BEGINNING, 1 / start.beginning.sigma, strict=True)
     if run.knock is not None:
         weight["knock_arm"] = 1 / USUAL_ARM
     if clock.sigma > 0:

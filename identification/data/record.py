@@ -4,6 +4,7 @@ Runs of different length are padded, so that one compiled function serves all of
 intervals of length zero, and samples of weight zero.
 """
 
+import dataclasses
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
@@ -14,8 +15,9 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from identification.campaign.types import Run, Sensors
+from identification.data.beginning import start_in_motion
 from identification.data.circumstances import Prior, prior
-from identification.data.start import CLOCK_MARGIN, Clock, start_pose
+from identification.data.start import CLOCK_MARGIN, Clock, Start, start_pose
 from scdpr_jax.engines.stepping import Inputs
 from scdpr_jax.robot.fields import real, si
 
@@ -96,17 +98,28 @@ def readings(angle: Float[np.ndarray, "rows 2"]) -> Float[np.ndarray, "rows 2"]:
     return shares
 
 
-def record(
-    run: Run, clock: Clock, sensors: Sensors, *, height: float, clock_drifts: bool
-) -> Record:
+@dataclasses.dataclass(frozen=True)
+class Reading:
+    """How the runs of a campaign are read."""
+
+    height: float
+    """Height of the frame [m]."""
+    radius: float
+    """Effective radius of the driver pulleys [m]."""
+    clock_drifts: bool = False
+    """Whether the cameras' clocks may drift."""
+    in_motion: bool = False
+    """Whether any of the runs begins in motion."""
+
+
+def record(run: Run, clock: Clock, sensors: Sensors, reading: Reading) -> Record:
     """The run as arrays.
 
     Args:
         run: A run with the cable on.
         clock: What is known of the camera's clock.
         sensors: The sensors' noise.
-        height: Height of the frame [m].
-        clock_drifts: Whether the camera's clock may drift.
+        reading: How the campaign's runs are read.
 
     Returns:
         The run's arrays. Camera frames from before anything moves tell the start; those
@@ -118,8 +131,8 @@ def record(
     time = run.drive.time - run.drive.time[0]
     share = readings(run.drive.angle)
     stamps, frame = _camera(run, clock.offset)
-    margin = CLOCK_MARGIN if run.clock_offset is None or clock_drifts else 0.0
-    start = start_pose(run, clock.offset, sensors, height)
+    margin = CLOCK_MARGIN if run.clock_offset is None or reading.clock_drifts else 0.0
+    start = _start(run, clock.offset, sensors, reading)
     inside = (stamps > start.until) & (stamps <= time[-1] - margin)
     seen = np.isfinite(frame) & inside[:, None]
     sigma = np.full(5, sensors.camera_position_sigma)
@@ -132,17 +145,25 @@ def record(
         frame_time=stamps,
         frame=np.where(seen, frame, 0.0),
         frame_weight=seen / sigma,
-        prior=prior(run, start, clock, clock_drifts=clock_drifts),
+        prior=prior(
+            run,
+            start,
+            clock,
+            clock_drifts=reading.clock_drifts,
+            in_motion=reading.in_motion,
+        ),
     )
 
 
+def _start(run: Run, offset: float, sensors: Sensors, reading: Reading) -> Start:
+    height, radius = reading.height, reading.radius
+    if run.in_motion:
+        return start_in_motion(run, offset, sensors, height=height, radius=radius)
+    return start_pose(run, offset, sensors, height)
+
+
 def stacked(
-    runs: Sequence[Run],
-    clocks: Sequence[Clock],
-    sensors: Sensors,
-    *,
-    height: float,
-    clock_drifts: bool = False,
+    runs: Sequence[Run], clocks: Sequence[Clock], sensors: Sensors, reading: Reading
 ) -> Record:
     """Runs with the cable on, padded to the longest and stacked.
 
@@ -150,15 +171,13 @@ def stacked(
         runs: The runs.
         clocks: What is known of the camera's clock in each.
         sensors: The sensors' noise.
-        height: Height of the frame [m].
-        clock_drifts: Whether the cameras' clocks may drift.
+        reading: How the campaign's runs are read.
 
     Returns:
         Their records, with a leading axis over the runs.
     """
     return _padded(
-        record(run, clock, sensors, height=height, clock_drifts=clock_drifts)
-        for run, clock in zip(runs, clocks, strict=True)
+        record(run, clock, sensors, reading) for run, clock in zip(runs, clocks, strict=True)
     )
 
 

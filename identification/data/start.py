@@ -34,6 +34,16 @@ depends on it.
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
+class Known:
+    """Numbers with what is known of them."""
+
+    value: Float[np.ndarray, " n"]
+    """The numbers [SI]."""
+    sigma: Float[np.ndarray, " n"]
+    """Their standard deviations [SI]."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
 class Start:
     """What is known of where a run starts."""
 
@@ -43,6 +53,9 @@ class Start:
     """Their standard deviations [m]."""
     until: float
     """Drive time since its first row up to which camera frames went into it [s]."""
+    beginning: Known | None = None
+    """How a run in motion begins, in the order of
+    `identification.data.circumstances.BEGINNING`; None for one that begins at rest."""
 
 
 def start_pose(run: Run, offset: float, sensors: Sensors, height: float) -> Start:

@@ -20,6 +20,11 @@ class Admission(NamedTuple):
     """The contradictions that weren't accepted."""
 
 
+SETTLED = ("start.moving",)
+"""Contradictions that no result carries once they are accepted: a run that begins in motion is
+fitted as one, or left out, and nothing that rests on it is doubtful."""
+
+
 def require_identifiers(accept: Sequence[str]) -> None:
     """Refuse what names no finding.
 
@@ -45,9 +50,9 @@ def admission(campaign: Campaign, accept: Sequence[str]) -> Admission:
         accept: Identifiers of the contradictions to go on with.
 
     Returns:
-        The campaign without bad frames and runs that begin in motion, with runs in pieces
-        where they have a gap, the knocks that were found, and what was accepted; or what
-        wasn't.
+        The campaign without bad frames, with runs that begin in motion marked and runs in
+        pieces where they have a gap, the knocks that were found, and what was accepted; or
+        what wasn't.
 
     Raises:
         ValueError: If there is no such identifier, or nothing is left to fit.
@@ -58,6 +63,8 @@ def admission(campaign: Campaign, accept: Sequence[str]) -> Admission:
     refused = tuple(finding for finding in broken if finding.id not in accept)
     if refused:
         return Admission(None, refused)
-    accepted = tuple(f"accepted contradiction: {finding}" for finding in broken)
+    accepted = tuple(
+        f"accepted contradiction: {finding}" for finding in broken if finding.id not in SETTLED
+    )
     admitted = dataclasses.replace(fittable(campaign, found), accepted=accepted)
     return Admission(admitted, ())

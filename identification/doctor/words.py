@@ -97,7 +97,7 @@ WORDS: Mapping[str, Words] = {
     ),
     "gap.drive": Words(
         "The drive's samples are missing, and what was commanded meanwhile isn't known.",
-        "Log from the controller's own loop; a fit takes the pieces that begin at rest.",
+        "Log from the controller's own loop; a fit takes the pieces whose begin is seen.",
     ),
     "gap.camera": Words(
         "The vision system didn't keep up.",
@@ -117,7 +117,8 @@ WORDS: Mapping[str, Words] = {
     ),
     "start.moving": Words(
         "The run doesn't begin at rest.",
-        "Wait for standstill before logging; --mend leaves the run out, as a fit does.",
+        "Wait for standstill before logging; with --accept a fit estimates its start "
+        "velocities, --mend leaves the run out.",
     ),
     "label.kind": Words(
         "The run isn't what its kind says.",

@@ -11,7 +11,14 @@ import dataclasses
 import numpy as np
 
 from identification.campaign.types import Campaign, Run, Sensors
-from identification.data.record import MotorRecord, Record, coarse, motor_record, stacked
+from identification.data.record import (
+    MotorRecord,
+    Reading,
+    Record,
+    coarse,
+    motor_record,
+    stacked,
+)
 from identification.data.start import Clock, clocks
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import value
@@ -65,15 +72,20 @@ class Logs:
         motors = tuple(i for i, run in enumerate(runs) if run.kind == "motor_step")
         cabled = tuple(i for i in range(len(runs)) if i not in motors)
         with_cable = [runs[i] for i in cabled]
-        known_clocks = clocks(with_cable, sensors, float(value(robot, "effective_radius")))
+        radius = float(value(robot, "effective_radius"))
+        known_clocks = clocks(with_cable, sensors, radius)
         records, rough, factor = None, None, 1
         if cabled:
             records = stacked(
                 with_cable,
                 known_clocks,
                 sensors,
-                height=float(value(robot, "frame_height")),
-                clock_drifts=clock_drifts,
+                Reading(
+                    height=float(value(robot, "frame_height")),
+                    radius=radius,
+                    clock_drifts=clock_drifts,
+                    in_motion=any(run.in_motion for run in runs),
+                ),
             )
             duration = np.asarray(records.inputs.duration)
             factor = max(1, round(COARSE_STEP / float(np.median(duration[duration > 0]))))

@@ -14,7 +14,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from identification.campaign.types import Campaign
-from identification.data.circumstances import START
+from identification.data.beginning import drive_speeds
+from identification.data.circumstances import NAMES, START, TURNING_DRIVES
 from identification.data.record import Record
 from identification.fit.lanes import LANES, Result, RunFunction, in_lanes
 from identification.fit.logs import Logs
@@ -77,13 +78,20 @@ class Problem:
         return cls(logs, options, prior, unknowns, held_out)
 
     def at_rest(self) -> Float[np.ndarray, " n"]:
-        """The point of the prior robot, every run starting where it was seen to."""
+        """The point of the prior robot, every run starting where and as it was seen to."""
         unknowns = self.unknowns
         point = np.zeros(unknowns.size)
         point[: len(unknowns.shared)] = start_values(self.prior, unknowns)
         for row, run in enumerate(self.logs.cabled):
-            start = unknowns.circumstances(run)[START]
-            point[start] = self.logs.records.prior.mean[row, START]
+            places, expected = unknowns.circumstances(run), self.logs.records.prior.mean[row]
+            point[places[START]] = expected[START]
+            # Where no run begins in motion, there is nothing beyond the usual circumstances.
+            point[places[len(NAMES) :]] = expected[len(NAMES) :]
+        for run in self.logs.motors:
+            if self.logs.runs[run].in_motion:
+                speeds = drive_speeds(self.logs.runs[run], self.logs.sensors).value
+                for name, speed in zip(TURNING_DRIVES, speeds, strict=True):
+                    point[unknowns.circumstance(run, name)] = speed
         return point
 
     def fitted(self) -> list[int]:
@@ -154,7 +162,7 @@ class Problem:
             function,
             self.prior,
             self.unknowns.free,
-            point[self.unknowns.local[motors]],
+            np.stack([point[self.unknowns.of_bare(run)] for run in motors]),
             range(len(motors)),
             self.logs.motor_records,
             size=MOTOR_LANES,

@@ -54,13 +54,36 @@ def move(robot: Robot, circumstances: Circumstances, record: Record) -> Motion:
         Its motion.
     """
     robot = eqx.tree_at(lambda r: r.end_effector.knock_arm, robot, circumstances.knock_arm)
-    start = rest(robot, circumstances.lower, circumstances.upper, circumstances.height)
+    start = begun(robot, circumstances)
     inputs = eqx.tree_at(
         lambda i: i.knock, record.inputs, circumstances.knock * record.inputs.knock
     )
     states = simulate(robot, start, inputs)
     return Motion(
         states, jax.vmap(lambda state: pulley_angles(robot, state, start))(states), inputs
+    )
+
+
+def begun(robot: Robot, circumstances: Circumstances) -> State:
+    """The state that a run begins with.
+
+    Args:
+        robot: The robot.
+        circumstances: What belongs to this run alone.
+
+    Returns:
+        The robot between its carriages at rest, or as it moves past.
+    """
+    still = rest(robot, circumstances.lower, circumstances.upper, circumstances.height)
+    motion = circumstances.beginning
+    if motion is None:
+        return still
+    radius = robot.drive.effective_radius
+    first, second = motion.drive_1_speed, motion.drive_2_speed
+    lower, height = radius * (first + second) / 2, radius * (first - second) / 2
+    return State(
+        still.position.at[:2].add(jnp.stack([motion.aside, motion.tilt])),
+        jnp.stack([motion.speed, motion.turning, lower, motion.upper_speed, height]),
     )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from identification.axis.motion import AxisParameters, axis_positions
-from identification.data.circumstances import MOVING, Circumstances
+from identification.data.circumstances import CLOCK, TURNING_DRIVES, Circumstances
 from identification.data.record import MotorRecord, Record
 from identification.fit.misfit import channel_misfit
 from identification.fit.residuals import (
@@ -78,23 +78,32 @@ def motor_angles(
     Args:
         robot: The robot with its fixed quantities; its drives' dry friction is exact here.
         free: Names of the free quantities.
-        unknown: Free quantities as the fit holds them.
+        unknown: Free quantities as the fit holds them; then the run's circumstances, where a
+            run of the campaign begins in motion.
         record: The run.
 
     Returns:
         Angles from the start [rad].
     """
-    drive = apply(robot, free, unknown).drive
+    drive = apply(robot, free, unknown[: len(free)]).drive
     torque = motor_torque(drive, record.voltage)
+    speeds = jnp.zeros(2)
+    if unknown.size > len(free):
+        begun = Circumstances.of(unknown[len(free) :]).beginning
+        speeds = jnp.stack([getattr(begun, name) for name in TURNING_DRIVES])
 
     def turn(
-        torque: Float[Array, " intervals"], friction: Float[Array, ""]
+        torque: Float[Array, " intervals"],
+        friction: Float[Array, ""],
+        speed: Float[Array, ""],
     ) -> Float[Array, " rows"]:
         axis = AxisParameters(drive.inertia, drive.damping, friction, 0.0)
         start = jnp.zeros_like(torque[0])
-        return axis_positions(axis, torque, steps=record.duration, start=start)
+        steps = record.duration
+        return axis_positions(axis, torque, steps=steps, start=start, velocity=speed)
 
-    return jax.vmap(turn, in_axes=(1, 0), out_axes=1)(torque, drive.frictions)
+    every = jax.vmap(turn, in_axes=(1, 0, 0), out_axes=1)
+    return every(torque, drive.frictions, speeds)
 
 
 def run_residuals(
@@ -175,22 +184,26 @@ def residuals_and_jacobian(
         The residuals, and the same with a last axis for their derivatives.
     """
     count = len(free)
-    moving, clock = jnp.split(unknown, [count + MOVING.stop])
+    first, last = count + CLOCK.start, count + CLOCK.stop
+    moving, clock = jnp.delete(unknown, slice(first, last)), unknown[first:last]
+
+    def joined(moving: Float[Array, "... _"], clock: Float[Array, "... _"]) -> Array:
+        parts = [moving[..., :first], clock, moving[..., first:]]
+        return jnp.concatenate(parts, axis=-1)
 
     def of_moving(x: Float[Array, " moving"]) -> tuple[Residuals, tuple[Residuals, Motion]]:
-        motion, circumstances = run_motion(robot, free, jnp.concatenate([x, clock]), record)
+        motion, circumstances = run_motion(robot, free, joined(x, clock), record)
         residual = residuals(motion, circumstances, record)
         return residual, (residual, motion)
 
     by_moving, (residual, motion) = jax.jacfwd(of_moving, has_aux=True)(moving)
 
     def of_clock(x: Float[Array, " clock"]) -> Residuals:
-        circumstances = Circumstances.of(jnp.concatenate([moving[count:], x]))
+        circumstances = Circumstances.of(joined(moving, x)[count:])
         return residuals(motion, circumstances, record)
 
     by_clock = jax.jacfwd(of_clock)(clock)
-    jacobian = jax.tree.map(lambda *of: jnp.concatenate(of, axis=-1), by_moving, by_clock)
-    return residual, jacobian
+    return residual, jax.tree.map(joined, by_moving, by_clock)
 
 
 def motor_sums(

@@ -150,9 +150,10 @@ def _telling_runs(problem: Problem, label: str) -> list[int]:
     ]
     reach = np.ptp(np.sum(np.asarray(logs.records.angle), axis=2), axis=1)
 
-    def rank(row: int) -> tuple[bool, float]:
-        # A knock's force isn't known yet.
-        return logs.runs[logs.cabled[row]].knock is not None, -float(reach[row])
+    def rank(row: int) -> tuple[bool, bool, float]:
+        # A knock's force isn't known yet, and a start in motion only roughly.
+        run = logs.runs[logs.cabled[row]]
+        return run.knock is not None, run.in_motion, -float(reach[row])
 
     return sorted(of_setting, key=rank)[:SCAN_RUNS]
 

@@ -1,18 +1,41 @@
-"""Starts: runs that begin in motion, and starts that can't be where the log says."""
+"""Starts: runs that begin in motion, and starts that can't be where the log says.
+
+An encoder that turns at the first row tells it, and so does an end-effector that swings while
+the drives rest. A run that is commanded from its first row on begins at rest all the same: its
+speed there is zero, however fast it is a few samples later.
+"""
 
 import dataclasses
+import math
 
 import numpy as np
 
-from identification.doctor.case import Record, Rig
+from identification.doctor.case import Record, Rig, X
 from identification.doctor.findings import Finding
+from identification.doctor.samples.begin import at_begin
+from identification.doctor.samples.motion import PUSHED_COUNTS, first_command
 from identification.doctor.words import finding
 
-SHARE = 0.15
-"""Speed at the start over the run's largest that is motion: good ones reach 0.05."""
+SHARE = 0.01
+"""Speed at the first row over the run's largest that is motion."""
 
-COUNTS = 40
-"""Counts in the first samples that are motion."""
+SURE = 6.0
+"""Standard errors that the speed has to be of, too: good runs reach 2.7."""
+
+SPAN = 0.02
+"""Time over which an encoder is followed back to the first row [s]."""
+
+SWINGS = 10.0
+"""Swing of the end-effector over the camera's noise that is motion: at rest it reaches 5."""
+
+CLOSE = 0.05
+"""Time before the first other motion that doesn't count [s]: clocks may differ by it."""
+
+QUIET = 0.4
+"""How long after the first row a swing counts [s]."""
+
+FEWEST = 5
+"""Frames before anything else moves that a swing is told by."""
 
 
 def starts(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
@@ -34,32 +57,71 @@ def starts(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
 
 
 def _moving(record: Record, rig: Rig) -> tuple[Finding, ...]:
-    rows = len(record.time)
-    first = max(2, min(rows // 50, 25))
-    span = max(1, rows // 60)
     for drive in (0, 1):
-        angle = record.angle[:, drive]
-        largest = float(np.abs(angle[span::span] - angle[:-span:span]).max(initial=0.0)) / span
-        begun = abs(float(angle[min(first, rows - 1)] - angle[0]))
+        begin = at_begin(
+            record.time - record.time[0],
+            record.angle[:, drive],
+            SPAN,
+            rig.count / math.sqrt(12),
+        )
+        speed, largest = abs(begin.slope), _largest_speed(record, drive)
         # Half a radian at the largest speed: below that, the run as a whole hardly moves.
-        moves = largest * rows > 0.5 and begun > COUNTS * rig.count
-        if moves and begun / first > SHARE * largest:
+        moves = largest * (record.time[-1] - record.time[0]) > 0.5
+        if moves and speed > max(SURE * begin.slope_error, SHARE * largest):
             column = f"alpha_{drive + 1}"
-            speed = begun / first / record.period
-            told = finding(
-                "start.moving",
-                "contradiction",
-                runs=[record.name],
-                what=f"`{column}` turns at {speed:.3g} rad/s in the first "
-                f"{first * record.period * 1e3:.3g} ms",
-                stream="drive",
-                column=column,
-                row=0,
-                evidence={"speed": speed, "largest_speed": largest / record.period},
-                mend={"do": "leave the run out", "run": record.name},
+            return (
+                _told(
+                    record,
+                    f"`{column}` turns at {speed:.3g} rad/s at the first row",
+                    stream="drive",
+                    column=column,
+                    evidence={"speed": speed, "largest_speed": largest},
+                ),
             )
-            return (told,)
-    return ()
+    return _swinging(record, rig)
+
+
+def _largest_speed(record: Record, drive: int) -> float:
+    span = max(1, len(record.time) // 60)
+    angle = record.angle[:, drive]
+    way = float(np.abs(angle[span::span] - angle[:-span:span]).max(initial=0.0))
+    return way / (span * record.period)
+
+
+def _swinging(record: Record, rig: Rig) -> tuple[Finding, ...]:
+    """Whether the end-effector swings before anything moves it."""
+    if not record.filmed or (record.kind == "pseudo_impulse" and record.knock is None):
+        return ()
+    turned = np.abs(record.angle - record.angle[0]).max(axis=1) > PUSHED_COUNTS * rig.count
+    moved = float(record.time[np.argmax(turned)]) if turned.any() else np.inf
+    knocked = np.inf if record.knock is None else record.knock.start
+    end = min(moved, knocked, first_command(record, rig)) - CLOSE
+    stamps = record.frame_time - record.offset - record.time[0]
+    before = (stamps >= 0) & (stamps < min(end - record.time[0], QUIET))
+    place = record.position[before, X]
+    place = place[np.isfinite(place)]
+    swing = float(np.ptp(place)) if len(place) >= FEWEST else 0.0
+    if swing <= SWINGS * rig.position_sigma:
+        return ()
+    what = f"the end-effector swings by {swing * 1e3:.3g} mm before anything moves it"
+    evidence = {"swing": swing, "noise": rig.position_sigma}
+    return (_told(record, what, stream="camera", column="x_e", evidence=evidence),)
+
+
+def _told(
+    record: Record, what: str, *, stream: str, column: str, evidence: dict[str, float]
+) -> Finding:
+    return finding(
+        "start.moving",
+        "contradiction",
+        runs=[record.name],
+        what=what,
+        stream=stream,
+        column=column,
+        row=0,
+        evidence=evidence,
+        mend={"do": "leave the run out", "run": record.name},
+    )
 
 
 def _outside(record: Record, rig: Rig) -> Finding:

@@ -13,7 +13,13 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from identification.campaign.types import Run
-from identification.data.circumstances import NAMES, Circumstances, open_circumstances
+from identification.data.circumstances import (
+    BEGINNING,
+    NAMES,
+    Circumstances,
+    names_of,
+    open_circumstances,
+)
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.quantities import quantity, replace, value
 
@@ -78,9 +84,9 @@ class Unknowns:
             run: The run's number.
 
         Returns:
-            Indices in the order of `Circumstances`.
+            Indices in the order of `identification.data.circumstances.names_of`.
         """
-        count = len(NAMES)
+        count = self.active.shape[1]
         return len(self.shared) + count * run + np.arange(count)
 
     def circumstance(self, run: int, name: str) -> int:
@@ -93,7 +99,7 @@ class Unknowns:
         Returns:
             Its index.
         """
-        return int(self.circumstances(run)[NAMES.index(name)])
+        return int(self.circumstances(run)[(*NAMES, *BEGINNING).index(name)])
 
     def of_run(self, run: int) -> Int[np.ndarray, " of_run"]:
         """Where a run's quantities and circumstances stand in the vector.
@@ -105,6 +111,18 @@ class Unknowns:
             Indices, quantities first.
         """
         return np.concatenate([self.local[run], self.circumstances(run)])
+
+    def of_bare(self, run: int) -> Int[np.ndarray, " of_run"]:
+        """Where the quantities of a run of the bare drives stand in the vector.
+
+        Args:
+            run: The run's number.
+
+        Returns:
+            Indices of the quantities; circumstances follow where runs begin in motion.
+        """
+        in_motion = self.active.shape[1] > len(NAMES)
+        return self.of_run(run) if in_motion else self.local[run]
 
     def open_to(self, runs: Sequence[int]) -> Bool[np.ndarray, " size"]:
         """Which unknowns a fit of some runs may change.
@@ -146,7 +164,7 @@ def layout(
         clock_drifts: Whether the cameras' clocks may drift.
 
     Returns:
-        Their layout; motor steps leave no circumstances open.
+        Their layout; motor steps leave no circumstances open but what they begin with.
 
     Raises:
         ValueError: If a name is unknown or stands twice.
@@ -181,13 +199,17 @@ def layout(
         [shared.index((followed.get(name, name), setting(run, name))) for name in free]
         for run in runs
     ]
+    in_motion = any(run.in_motion for run in runs)
     return Unknowns(
         free=free,
         shared=tuple(shared),
         local=np.array(local, dtype=int).reshape(len(runs), len(free)),
         active=np.array(
-            [open_circumstances(run, clock_drifts=clock_drifts) for run in runs]
-        ).reshape(len(runs), len(NAMES)),
+            [
+                open_circumstances(run, clock_drifts=clock_drifts, in_motion=in_motion)
+                for run in runs
+            ]
+        ).reshape(len(runs), len(names_of(in_motion=in_motion))),
         opened=np.array([name in chosen for name, _ in shared], dtype=bool),
     )
 
