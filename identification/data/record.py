@@ -122,8 +122,6 @@ def record(
     start = start_pose(run, clock.offset, sensors, height)
     inside = (stamps > start.until) & (stamps <= time[-1] - margin)
     seen = np.isfinite(frame) & inside[:, None]
-    sigma = np.full(5, sensors.camera_position_sigma)
-    sigma[1] = sensors.camera_angle_sigma
     return Record(
         inputs=Inputs(np.diff(time), run.drive.voltage[:-1], _knocked(run, time)),
         angle=run.drive.angle - run.drive.angle[0],
@@ -131,7 +129,7 @@ def record(
         angle_share=share,
         frame_time=stamps,
         frame=np.where(seen, frame, 0.0),
-        frame_weight=seen / sigma,
+        frame_weight=seen / sensors.of_camera(run),
         prior=prior(run, start, clock, clock_drifts=clock_drifts),
     )
 
