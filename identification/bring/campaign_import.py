@@ -7,7 +7,7 @@ from identification.bring.mapping.document import CampaignDocument, read_mapping
 from identification.bring.runs import import_runs
 from identification.campaign.extend import add_runs, rig_of_folder
 from identification.campaign.faults import CampaignError, Fault
-from identification.campaign.read import CAMPAIGN_FILE, campaign_of
+from identification.campaign.read import CAMPAIGN_FILE, campaign_of, with_camera_sigma
 from identification.campaign.types import Campaign
 
 _TOLD = 11
@@ -65,7 +65,7 @@ def mapped_campaign(mapping: str | Path, into: str | Path | None = None) -> Camp
         raise CampaignError(path, told(faults), what="mapping")
     return Campaign(
         name=rig.name,
-        runs=imported.runs,
+        runs=with_camera_sigma(document.campaign or CampaignDocument(), imported.runs),
         counts_per_rev=rig.counts_per_rev,
         robot=rig.robot,
         sensors=rig.sensors,

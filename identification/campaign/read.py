@@ -1,6 +1,8 @@
 """Reading a campaign: all of it, or one error with all its faults."""
 
 import dataclasses
+import difflib
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from identification.campaign.faults import CampaignError, Fault
@@ -27,6 +29,7 @@ from identification.campaign.types import (
     default_sensors,
 )
 from scdpr_jax.numerics.files.given import DOCUMENT
+from scdpr_jax.numerics.files.harmless import represented
 from scdpr_jax.provenance import hash_of
 
 CAMPAIGN_FILE = "campaign.toml"
@@ -97,11 +100,12 @@ def _source(folder: Path) -> str:
     return hash_of([file for file in files if file.is_file()], folder)
 
 
-def survey(path: str | Path) -> Reading:
+def survey(path: str | Path, *, absent: Sequence[str] = ()) -> Reading:
     """Everything that can be read of a campaign, and everything that is wrong with it.
 
     Args:
         path: The campaign's folder.
+        absent: Names of runs that it may state something of though they aren't there.
 
     Returns:
         The campaign as far as it is good, and all faults.
@@ -120,9 +124,32 @@ def survey(path: str | Path) -> Reading:
     runs = tuple(_read_run(each, counts_per_rev=counts) for each in folders)
     if not runs:
         faults = (*faults, _no_runs(folder))
+    elif document is not None:
+        names = [*(reading.name for reading in runs), *absent]
+        faults = (*faults, *_strangers(document, folder, names))
     good = tuple(reading.run for reading in runs if reading.run is not None)
     campaign = None if document is None else campaign_of(document, folder, good)
     return Reading(faults, campaign, runs)
+
+
+def _strangers(
+    document: CampaignDocument, folder: Path, names: Sequence[str]
+) -> Iterator[Fault]:
+    """Faults of runs that `campaign.toml` states something of, and that aren't there."""
+    text, _ = read_text(folder / CAMPAIGN_FILE, most=DOCUMENT)
+    for name in document.sensors.runs:
+        if name not in names:
+            near = difflib.get_close_matches(name[:80], names, n=1, cutoff=0.0)
+            path = ["sensors", "runs", name]
+            yield Fault(
+                what="a run that isn't there",
+                file=CAMPAIGN_FILE,
+                row=row_of(text, path),
+                key=".".join(path[:2]),
+                got=represented(name),
+                expected="the name of a run's folder",
+                remedy=f'The nearest is "{near[0]}"; delete the table if that isn\'t meant.',
+            )
 
 
 def _run_folders(folder: Path) -> list[Path]:
@@ -229,12 +256,33 @@ def campaign_of(document: CampaignDocument, folder: Path, runs: tuple[Run, ...])
         The campaign.
     """
     sensors = default_sensors(document.counts_per_rev)
+    stated = document.sensors.model_dump(exclude_none=True, exclude={"runs"})
     return Campaign(
         name=document.name or folder.resolve().name,
         counts_per_rev=document.counts_per_rev,
         robot=document.robot.model_dump(exclude_none=True),
-        sensors=dataclasses.replace(sensors, **document.sensors.model_dump(exclude_none=True)),
-        runs=runs,
+        sensors=dataclasses.replace(sensors, **stated),
+        runs=with_camera_sigma(document, runs),
+    )
+
+
+def with_camera_sigma(document: CampaignDocument, runs: Iterable[Run]) -> tuple[Run, ...]:
+    """Runs with the standard deviations of their cameras, where these are stated.
+
+    Args:
+        document: What stands in `campaign.toml`.
+        runs: The runs.
+
+    Returns:
+        The runs.
+    """
+    own = {
+        name: table.model_dump(exclude_none=True)
+        for name, table in document.sensors.runs.items()
+    }
+    return tuple(
+        dataclasses.replace(run, camera_sigma=own[run.name]) if run.name in own else run
+        for run in runs
     )
 
 

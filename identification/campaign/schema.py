@@ -116,12 +116,23 @@ class RunDocument(_Table):
     camera: CameraTable = CameraTable()
 
 
+class CameraSigmaTable(_Table):
+    """`[sensors.runs.NAME]` of a campaign: one run's camera, where it isn't the campaign's."""
+
+    x_e: PositiveMetres | None = Field(None, examples=["0.05 mm"])
+    y_e: PositiveMetres | None = Field(None, examples=["0.05 mm"])
+    delta_e: PositiveRadians | None = Field(None, examples=["0.2 mrad"])
+    q_3: PositiveMetres | None = Field(None, examples=["0.05 mm"])
+    q_4: PositiveMetres | None = Field(None, examples=["0.05 mm"])
+
+
 class SensorsTable(_Table):
     """`[sensors]` of a campaign."""
 
     encoder_sigma: PositiveRadians | None = Field(None, examples=["0.1 mrad"])
     camera_position_sigma: PositiveMetres | None = Field(None, examples=["0.19 mm"])
     camera_angle_sigma: PositiveRadians | None = Field(None, examples=["2 mrad"])
+    runs: dict[str, CameraSigmaTable] = {}
 
 
 RobotTable = create_model(
@@ -190,7 +201,7 @@ def _faults(error: ValidationError, model: type[BaseModel], text: str) -> Iterat
 
 def _explained(problem: Any, model: type[BaseModel], path: list[str]) -> Fault:
     """What pydantic found, in this format's words and without its place."""
-    table, name = _tables(model)[".".join(path[:-1])], path[-1]
+    table, name = _table_of(model, path[:-1]), path[-1]
     if problem["type"] == "extra_forbidden":
         return _unknown_key(model, table, name, got=problem["input"])
     example = _example(table, name)
@@ -213,7 +224,10 @@ def _explained(problem: Any, model: type[BaseModel], path: list[str]) -> Fault:
 
 
 def _example(table: type[BaseModel], name: str) -> str:
-    examples = table.model_fields[name].examples
+    field = table.model_fields.get(name)
+    if table is SensorsTable and (field is None or name == "runs"):
+        return f"a table with the heading [sensors.runs.{'NAME' if field else name}]"
+    examples = field.examples
     if examples is None:
         return f"a table with the heading [{name}]"
     return f"{name} = {examples[0]}" if "(" in examples[0] else f'{name} = "{examples[0]}"'
@@ -231,6 +245,14 @@ def _unknown_key(
         remedy = f"It belongs {place}."
     keys = f"one of {', '.join(table.model_fields)}"
     return Fault(what="an unknown key", got=represented(name), expected=keys, remedy=remedy)
+
+
+def _table_of(model: type[BaseModel], above: list[str]) -> type[BaseModel]:
+    """The table that stands below the names of a heading."""
+    of_run = above[:2] == ["sensors", "runs"]
+    if of_run:
+        return CameraSigmaTable if len(above) > 2 else SensorsTable
+    return _tables(model)[".".join(above)]
 
 
 def _tables(model: type[BaseModel]) -> dict[str, type[BaseModel]]:

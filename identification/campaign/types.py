@@ -11,6 +11,8 @@ from jaxtyping import Float64, Shaped
 from identification.campaign.faults import Fault
 from scdpr_jax.robot.stated.units import si
 
+CAMERA_COORDINATES: tuple[str, ...] = ("x_e", "delta_e", "q_3", "q_4", "y_e")
+"""Columns of a camera's stream, in the order of the model's coordinates."""
 KINDS: tuple[str, ...] = (
     "torque_step",
     "breakaway",
@@ -140,6 +142,8 @@ class Run:
     """Camera time minus drive time [s], None if it is unknown and to be estimated."""
     in_motion: bool = False
     """Whether it begins in motion, so that its start velocities are estimated."""
+    camera_sigma: dict[str, float] = dataclasses.field(default_factory=dict)
+    """Standard deviations of its camera's columns that aren't the campaign's [m, rad]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -156,6 +160,20 @@ class Sensors:
         default=2e-3, metadata=si("rad", r"\sigma_\delta")
     )
     """Of the end-effector's rotation from the camera [rad]."""
+
+    def of_camera(self, run: Run) -> Float64[np.ndarray, " 5"]:
+        r"""Standard deviations of a run's camera, in the model's coordinates.
+
+        Args:
+            run: The run, which may state its own.
+
+        Returns:
+            Of $[x_e, \delta_e, q_3, q_4, y_e]$ [m, rad, m, m, m].
+        """
+        usual = dict.fromkeys(CAMERA_COORDINATES, self.camera_position_sigma)
+        usual["delta_e"] = self.camera_angle_sigma
+        own = usual | run.camera_sigma
+        return np.array([own[name] for name in CAMERA_COORDINATES])
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)

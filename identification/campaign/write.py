@@ -4,7 +4,8 @@ import csv
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from identification.campaign.streams import (
 from identification.campaign.tables.columns import drive_columns
 from identification.campaign.tables.document import FORMAT
 from identification.campaign.types import (
+    CAMERA_COORDINATES,
     AccelerometerStream,
     CameraStream,
     Campaign,
@@ -129,7 +131,31 @@ def _campaign_document(campaign: Campaign) -> list[str]:
     if campaign.robot:
         lines += ["", "[robot]"]
         lines += [_entry(name, v, quantity(name).unit) for name, v in campaign.robot.items()]
-    return [*lines, *_section("sensors", campaign.sensors)]
+    lines += _section("sensors", campaign.sensors)
+    return lines + [
+        line
+        for run in campaign.runs
+        if run.camera_sigma
+        for line in ("", *camera_sigma_table(run.name, run.camera_sigma))
+    ]
+
+
+def camera_sigma_table(name: str, sigma: Mapping[str, float]) -> list[str]:
+    """The table of `campaign.toml` that states a run's own camera.
+
+    Args:
+        name: Name of the run's folder.
+        sigma: Standard deviations of its columns [m, rad].
+
+    Returns:
+        The table's lines.
+    """
+    key = name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml_text(name)
+    units = dict.fromkeys(CAMERA_COORDINATES, "mm") | {"delta_e": "mrad"}
+    entries = [
+        f'{column} = "{_thousandths(value)} {units[column]}"' for column, value in sigma.items()
+    ]
+    return [f"[sensors.runs.{key}]", *entries]
 
 
 def _run_document(run: Run) -> list[str]:
@@ -201,11 +227,11 @@ def _camera_columns(camera: CameraStream) -> dict[str, list[str]]:
     x_e, delta_e, q_3, q_4, y_e = camera.position.T
     columns = {
         "t [s]": _cells(camera.time),
-        "x_e [mm]": _cells(x_e, _millimetres),
-        "y_e [mm]": _cells(y_e, _millimetres),
+        "x_e [mm]": _cells(x_e, _thousandths),
+        "y_e [mm]": _cells(y_e, _thousandths),
         "delta_e [rad]": _cells(delta_e),
-        "q_3 [mm]": _cells(q_3, _millimetres),
-        "q_4 [mm]": _cells(q_4, _millimetres),
+        "q_3 [mm]": _cells(q_3, _thousandths),
+        "q_4 [mm]": _cells(q_4, _thousandths),
     }
     return columns | _extra_columns(camera.extra)
 
@@ -239,6 +265,6 @@ def _cells(
     return ["" if math.isnan(number) else write(number) for number in numbers.tolist()]
 
 
-def _millimetres(metres: float) -> str:
-    """A length in millimetres, its point moved: a product would round it."""
-    return f"{Decimal(repr(metres)).scaleb(3):f}"
+def _thousandths(number: float) -> str:
+    """A number in thousandths, its point moved: a product would round it."""
+    return f"{Decimal(repr(number)).scaleb(3):f}"

@@ -135,8 +135,6 @@ def record(run: Run, clock: Clock, sensors: Sensors, reading: Reading) -> Record
     start = _start(run, clock.offset, sensors, reading)
     inside = (stamps > start.until) & (stamps <= time[-1] - margin)
     seen = np.isfinite(frame) & inside[:, None]
-    sigma = np.full(5, sensors.camera_position_sigma)
-    sigma[1] = sensors.camera_angle_sigma
     return Record(
         inputs=Inputs(np.diff(time), run.drive.voltage[:-1], _knocked(run, time)),
         angle=run.drive.angle - run.drive.angle[0],
@@ -144,7 +142,7 @@ def record(run: Run, clock: Clock, sensors: Sensors, reading: Reading) -> Record
         angle_share=share,
         frame_time=stamps,
         frame=np.where(seen, frame, 0.0),
-        frame_weight=seen / sigma,
+        frame_weight=seen / sensors.of_camera(run),
         prior=prior(
             run,
             start,

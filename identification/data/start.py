@@ -116,7 +116,7 @@ def _seen_at_rest(run: Run, offset: float, sensors: Sensors) -> Start | None:
         return None
     return Start(
         np.nanmean(frames, axis=0),
-        sensors.camera_position_sigma / np.sqrt(count),
+        sensors.of_camera(run)[LOWER:] / np.sqrt(count),
         rest_until(run) - margin - run.drive.time[0],
     )
 
@@ -166,13 +166,14 @@ def _aligned(run: Run, sensors: Sensors, effective_radius: float) -> Clock:
     time, angle = run.drive.time, run.drive.angle
     carriage = effective_radius * (angle[:, 0] + angle[:, 1]) / 2
     height = effective_radius * (angle[:, 0] - angle[:, 1]) / 2
+    sigma = float(sensors.of_camera(run)[[LOWER, HEIGHT]].max())
     pairs = []
     for seen, moved in (
         (run.camera.position[:, LOWER], carriage),
         (run.camera.position[:, HEIGHT], height),
     ):
         valid = np.isfinite(seen)
-        if np.ptp(moved) > 10 * sensors.camera_position_sigma and np.count_nonzero(valid) > 5:
+        if np.ptp(moved) > 10 * sigma and np.count_nonzero(valid) > 5:
             pairs.append((run.camera.time[valid], seen[valid], moved))
     if not pairs:
         return Clock(0.0, np.inf)
@@ -186,7 +187,7 @@ def _aligned(run: Run, sensors: Sensors, effective_radius: float) -> Clock:
         return np.concatenate(parts)
 
     offset = _refine(lambda tried: np.mean(np.square(differences(tried, tried))))
-    noise = max(float(np.std(differences(offset, offset))), sensors.camera_position_sigma)
+    noise = max(float(np.std(differences(offset, offset))), sigma)
     later, earlier = (differences(offset + shift, offset) for shift in (1e-3, -1e-3))
     speed = (later - earlier) / 2e-3
     return Clock(offset, noise / np.sqrt(np.sum(np.square(speed))))

@@ -5,13 +5,14 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
+from identification.campaign.types import CAMERA_COORDINATES
 from identification.data.circumstances import CLOCK
 from identification.fit.problem import Problem
 from identification.fit.residuals import Predicted, drive_time
 from identification.fit.run_sums import motor_angles
 
 ENCODERS = ("alpha_1", "alpha_2")
-CAMERA = ("x_e", "delta_e", "q_3", "q_4", "y_e")
+CAMERA = CAMERA_COORDINATES
 
 NOISE_LIMIT = {"encoder": 12.0, "camera": 1.75}
 """Mean squared residual up to which a channel may be noise [1].
@@ -171,14 +172,12 @@ def _comparison(
     for index, name in enumerate(CAMERA):
         seen = np.isfinite(measured[:, index])
         if np.any(seen):
-            angular = name == "delta_e"
-            sigma = sensors.camera_angle_sigma if angular else sensors.camera_position_sigma
-            unit = "rad" if angular else "m"
+            unit = "rad" if name == "delta_e" else "m"
             channels.append(
                 _channel(
                     name,
                     unit,
-                    sigma,
+                    sensors.of_camera(run)[index],
                     time=frame_time[seen],
                     measured=measured[seen, index],
                     simulated=simulated[seen, index],

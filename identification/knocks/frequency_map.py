@@ -106,10 +106,10 @@ def frequency_map(campaign: Campaign) -> FrequencyMap:
     Raises:
         ValueError: If no knock gives a frequency.
     """
-    sigma = campaign.sensors.camera_position_sigma
     usable, unresolved = [], []
     knocks = [run for run in campaign.runs if run.kind == "pseudo_impulse"]
     for run in knocks:
+        sigma = float(campaign.sensors.of_camera(run)[0])
         try:
             usable.append((run, *_pose_and_decay(run, noise_sigma=sigma)))
         except ValueError as error:

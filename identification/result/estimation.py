@@ -32,6 +32,7 @@ from identification.result.fitted_robot import Residual, fitted_robot
 from scdpr_jax.numerics.levenberg_marquardt import Minimum
 from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.quantities import value
+from scdpr_jax.robot.state import LOWER
 
 CORRECTIONS = 2
 """How often the coarser grid's own error is taken off, see `identification.fit.correction`."""
@@ -125,6 +126,13 @@ def solve(
     return _estimate(problem, minimum, point, fit)
 
 
+def _seen(problem: Problem) -> float:
+    """How far off a camera has the lower carriage, the worst of all runs' [m]."""
+    sensors, runs = problem.logs.sensors, problem.logs.runs
+    own = [float(sensors.of_camera(run)[LOWER]) for run in runs if run.camera is not None]
+    return max(own, default=sensors.camera_position_sigma)
+
+
 def _estimate(
     problem: Problem, minimum: Minimum, point: Float[np.ndarray, " n"], fit: Fit
 ) -> Estimate:
@@ -133,7 +141,7 @@ def _estimate(
     _require_finite(problem, sums)
     runs, accepted = comparisons(problem, point), problem.logs.accepted
     radius = float(value(problem.prior, "effective_radius"))
-    seen = problem.logs.sensors.camera_position_sigma / radius
+    seen = _seen(problem) / radius
     failing = unexplained(runs, contradicted=bool(accepted), seen=seen)
     by_errors = fitted_robot(problem, minimum, sums)
     nameplate = float(value(problem.prior, "drive_inertia"))

@@ -79,6 +79,19 @@ def summary(tracked: Tracked) -> dict[str, object]:
     }
 
 
+def rounded(columns: dict[str, float]) -> dict[str, float]:
+    """Standard deviations as a file states them.
+
+    Args:
+        columns: Of each column [m, rad]; NaN where it is empty.
+
+    Returns:
+        Two digits of those of columns that aren't empty [m, rad].
+    """
+    known = {name: value for name, value in columns.items() if not np.isnan(value)}
+    return {name: float(f"{value:.2g}") for name, value in known.items()}
+
+
 def _written(columns: dict[str, float]) -> dict[str, str | None]:
     return {name: written(columns[name], name) for name in COLUMNS}
 

@@ -98,7 +98,7 @@ def logged_legs(robot: Robot, runs: Sequence[Run], sensors: Sensors) -> list[Log
                 seen=run.camera.position[:, SEEN],
                 place=(float(lower - slope * y), float(y)),
                 slope=slope,
-                noise=(sensors.camera_position_sigma, sensors.camera_angle_sigma),
+                noise=tuple(sensors.of_camera(run)[:2].tolist()),
             )
         )
     return legs

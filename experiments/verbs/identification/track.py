@@ -60,6 +60,7 @@ def track(
                 overlay, told, vision.parent, tracked, progress=progress.part(0.6, 1.0)
             )
     _show(tracked)
+    _state(out, tracked)
     wrote(*(path for path in (out, json, overlay) if path is not None))
     short = tracked.posed < _ENOUGH * len(tracked.clock.frames)
     if short:
@@ -88,11 +89,24 @@ def _show(tracked: "Tracked") -> None:
     )
     for warning in tracked.warnings:
         say(f"note: {warning}")
-    say("\nin campaign.toml, so that a fit weighs this camera as it is:")
-    say("  [sensors]")
-    for name in ("camera_position_sigma", "camera_angle_sigma"):
-        if told[name]:
-            say(f'  {name} = "{told[name]}"')
+
+
+def _state(out: pathlib.Path, tracked: "Tracked") -> None:
+    """Put the standard deviations where a fit weighs this run's camera by them."""
+    from identification.campaign.extend import state_camera
+    from identification.campaign.read import CAMPAIGN_FILE
+    from identification.campaign.streams import CAMERA_FILE
+    from identification.campaign.write import camera_sigma_table
+    from identification.vision.camera_file import rounded
+
+    sigma = rounded(tracked.sigma.columns)
+    run = out.resolve().parent
+    if out.name == CAMERA_FILE and state_camera(run.parent, run.name, sigma):
+        say(f"stated in {run.parent / CAMPAIGN_FILE}, by which a fit weighs this run's camera")
+        return
+    say(f"\nin {CAMPAIGN_FILE}, so that a fit weighs this run's camera as it is:")
+    for line in camera_sigma_table(run.name, sigma):
+        say(f"  {line}")
 
 
 def _propose(video: pathlib.Path, target: pathlib.Path) -> int:

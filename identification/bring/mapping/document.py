@@ -11,12 +11,14 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from identification.campaign.faults import Fault
 from identification.campaign.quantities import QuantityError, parse_quantity
 from identification.campaign.schema import (
+    CameraSigmaTable,
     CameraTable,
     CampaignDocument,
     InitialTable,
     KnockTable,
     PositiveNewtons,
     Seconds,
+    SensorsTable,
 )
 from identification.campaign.tables.document import read_document, row_of
 from identification.campaign.types import KINDS
@@ -224,6 +226,8 @@ def _table(words: list[str]) -> type[BaseModel]:
         return MappingDocument
     if any(word == "columns" or word.endswith("_columns") for word in above[:-1]):
         return ClockTable if above[-1] == "t" else ColumnTable
+    if "sensors" in above:
+        return CameraSigmaTable if "runs" in above[:-1] else SensorsTable
     if above[-1] == "camera" and above[0] in ("run", "defaults"):
         return CameraTable
     return _MODELS.get(above[-1], MappingDocument)

@@ -97,7 +97,7 @@ def _early_motion(run: Run, campaign: Campaign) -> Iterator[Note]:
     still = run.camera.pose[run.camera.time - run.clock_offset <= start]
     seen = [column[~np.isnan(column)] for column in still.T]
     travel = max((float(np.ptp(column)) for column in seen if column.size), default=0.0)
-    if travel > 8 * campaign.sensors.camera_position_sigma:
+    if travel > 8 * campaign.sensors.of_camera(run)[[0, 4]].max():
         yield early_motion(f"the end-effector moves by {travel * 1e3:.3g} mm", start)
 
 

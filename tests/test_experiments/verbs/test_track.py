@@ -1,5 +1,6 @@
 import json
 import sys
+import tomllib
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from rig_film import easy, shoot
 
 from experiments.cli import main
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
+from identification.campaign.quantities import parse_quantity
 from identification.campaign.streams import read_camera
 
 
@@ -21,6 +23,7 @@ def film(tmp_path_factory):
 def run(film, tmp_path_factory):
     folder, _ = film
     place = tmp_path_factory.mktemp("campaign") / "0001-torque-step"
+    (place.parent / "campaign.toml").write_text("format = 1  # our rig\n")
     status = main(
         [
             "track",
@@ -59,6 +62,19 @@ def test_the_summary_says_what_is_pinned(run):
     assert told["warnings"] == []
 
 
+def test_a_runs_campaign_states_its_camera_and_keeps_its_own_words(run):
+    place, _ = run
+    text = (place.parent / "campaign.toml").read_text()
+    told = json.loads((place / "track.json").read_text())
+    assert text.startswith("format = 1  # our rig\n")
+    own = tomllib.loads(text)["sensors"]["runs"]["0001-torque-step"]
+    assert set(own) == set(told["sigma"])
+    for name, value in own.items():
+        unit = "rad" if name == "delta_e" else "m"
+        written = (parse_quantity(each, unit=unit) for each in (value, told["sigma"][name]))
+        assert next(written) == pytest.approx(next(written))
+
+
 def test_the_overlay_is_a_video_of_as_many_pictures(run):
     from identification.vision.pictures.stream import pictures
 
@@ -75,7 +91,8 @@ def test_its_end_says_where_the_deviations_go(film, tmp_path, capsys):
     )
     said = capsys.readouterr().out
     assert "in campaign.toml" in said
-    assert 'camera_position_sigma = "' in said
+    assert f"[sensors.runs.{tmp_path.name}]" in said
+    assert 'x_e = "' in said
     assert "12 pictures, 12 with every pose" in said
 
 

@@ -11,6 +11,7 @@ from identification.campaign.faults import CampaignError
 from identification.campaign.quantities import format_quantity
 from identification.campaign.read import read_campaign
 from identification.campaign.types import (
+    CAMERA_COORDINATES,
     KINDS,
     CameraStream,
     Campaign,
@@ -103,6 +104,9 @@ def runs(draw, name, counts_per_rev):
         clock_offset=draw(st.none() | number),
         drive=drive,
         camera=draw(st.none() | cameras()),
+        camera_sigma=draw(
+            st.dictionaries(st.sampled_from(CAMERA_COORDINATES), positive, max_size=3)
+        ),
     )
 
 
