@@ -123,25 +123,28 @@ def _frames(
 ) -> Iterator[tuple[float, float, float]]:
     """What is missing at the carriage, the force on it and its way, frame by frame."""
     drive, own = run.drive, robot.drive
-    radius, reflected = (float(x) for x in (own.effective_radius, own.effective_radius**-2))
+    radius, inertia, damping = map(float, (own.effective_radius, own.inertia, own.damping))
     offset = (run.clock_offset or 0.0) + float(clock.clock_offset)
-    begin = drive.time[0]
+    begin, end = drive.time[0], drive.time[-1]
     seen = run.camera.time - offset - float(clock.clock_drift) * (run.camera.time - begin)
     way = radius * (drive.angle[:, 0] + drive.angle[:, 1]) / 2
-    volts = np.sum(drive.voltage, axis=1)
     limit = 2 * float(own.voltage_limit)
-    rates = np.gradient(drive.angle, drive.time, axis=0)
-    for time, place in zip(seen, run.camera.position[:, 2], strict=True):
-        near = np.abs(drive.time - time) <= _WINDOW / 2
-        if not np.isfinite(place) or np.count_nonzero(near) < 8:
+    volts = np.clip(np.sum(drive.voltage, axis=1), -limit, limit)
+    turning = np.tanh(np.gradient(drive.angle, drive.time, axis=0) / 0.05)
+    torque = float(own.torque_per_volt) * volts - turning @ np.asarray(own.frictions)
+    inside = (seen - begin >= _WINDOW / 2) & (end - seen >= _WINDOW / 2)
+    good = inside & np.isfinite(run.camera.position[:, 2])
+    edges = np.searchsorted(drive.time, [seen - _WINDOW / 2, seen + _WINDOW / 2])
+    for frame in np.flatnonzero(good):
+        near = slice(*edges[:, frame])
+        # In units of half the window, in which a parabola's terms are of one size.
+        share = 2 * (drive.time[near] - seen[frame]) / _WINDOW
+        if share.size < 8:
             continue
-        if time - drive.time[0] < _WINDOW / 2 or drive.time[-1] - time < _WINDOW / 2:
-            continue
-        curve = np.polynomial.polynomial.polyfit(drive.time[near] - time, way[near], 2)
-        speed, acceleration = curve[1], 2 * curve[2]
-        motor = float(own.torque_per_volt) * np.mean(np.clip(volts[near], -limit, limit))
-        dry = np.mean(np.sum(np.asarray(own.frictions) * np.tanh(rates[near] / 0.05), axis=1))
-        force = (motor - dry) / radius - 2 * reflected * (
-            float(own.inertia) * acceleration + float(own.damping) * speed
+        terms = np.stack([np.ones_like(share), share, share**2])
+        place, slope, curve = np.linalg.solve(terms @ terms.T, terms @ way[near])
+        speed, acceleration = 2 * slope / _WINDOW, 8 * curve / _WINDOW**2
+        force = np.mean(torque[near]) / radius - 2 / radius**2 * (
+            inertia * acceleration + damping * speed
         )
-        yield place - curve[0], force, curve[0]
+        yield run.camera.position[frame, 2] - place, force, place

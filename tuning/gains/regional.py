@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
@@ -66,9 +66,7 @@ def candidates(cells: Sequence[Cell], own: Shaper) -> Candidates:
         The candidates.
     """
     columns = np.array([(cell.frequency, cell.damping_ratio) for cell in cells])
-    # Some cells at a time, the first ones again at the end: one compiled function serves all.
-    rows = np.arange(len(cells) + -len(cells) % _CELLS).reshape(-1, _CELLS) % len(cells)
-    parts = [_catalogue(*columns[few].T) for few in rows]
+    parts = [_catalogue(*columns[few].T) for few in _some_at_a_time(len(cells))]
     times, amplitudes = (
         np.concatenate(part)[: len(cells)] for part in zip(*parts, strict=True)
     )
@@ -174,8 +172,8 @@ def choose(
     count = len(legs[0])
     shape = len(cells), len(tried.names), count
     each = jax.tree.map(lambda leaf: leaf.reshape(shape), after)
-    chosen = []
-    for number, cell in enumerate(cells):
+    chosen, names, shares = [], [], []
+    for number in range(len(cells)):
         here = jax.tree.map(lambda leaf, number=number: leaf[number], each)
         losses = loss(here, before[number])
         plain = np.broadcast_to(before[number].residual_vibration, shape[1:])
@@ -183,9 +181,10 @@ def choose(
         # What is worse than plain comes after all that isn't, and what isn't finite last.
         order = np.lexsort((np.where(np.isfinite(losses), losses, np.inf), ~(left <= 1)))
         best = int(order[0])
-        shaper, name = tried.shapers[number][best], tried.names[best]
-        chosen.append(_regional(cell, shaper, name=name, share=float(left[best])))
-    return chosen
+        chosen.append(tried.shapers[number][best])
+        names.append(tried.names[best])
+        shares.append(float(left[best]))
+    return _regional(cells, chosen, names, shares)
 
 
 def told(controller: PD, rows: Sequence[tuple[Legs, Shaper]]) -> Law:
@@ -215,8 +214,9 @@ def told(controller: PD, rows: Sequence[tuple[Legs, Shaper]]) -> Law:
 
 
 def compile_catalogue() -> None:
-    """Compiles the catalogue's designs for any cells."""
+    """Compiles the catalogue's designs for any cells, and what shapers leave in them."""
     _catalogue.compile(np.ones(_CELLS), np.zeros(_CELLS))
+    _residuals.compile(np.ones((_CELLS, 4)), np.ones((_CELLS, 2, IMPULSES)))
 
 
 @kept_jit
@@ -240,24 +240,58 @@ def _catalogue(
     return jax.vmap(of_cell)(frequency, damping_ratio)
 
 
-def _regional(cell: Cell, shaper: Shaper, *, name: str, share: float) -> RegionalShaper:
-    times, amplitudes = np.asarray(shaper.times), np.asarray(shaper.amplitudes)
-    used = amplitudes != 0
-    kept = Shaper(times[used], amplitudes[used])
-    damping_ratio = np.asarray(cell.damping_ratio)
-    nominal = residual_vibration(
-        kept, frequency=np.asarray(cell.frequency), damping_ratio=damping_ratio
-    )
-    worst = worst_in_band(kept, band=np.asarray(cell.band), damping_ratio=damping_ratio)
-    return RegionalShaper(
-        region=cell.region,
-        height=cell.height,
-        shaper=kept,
-        frequency=cell.frequency,
-        band=cell.band,
-        damping_ratio=cell.damping_ratio,
-        measured=cell.measured,
-        residual_vibration=ResidualVibration(float(nominal), float(worst)),
-        kind=name,
-        share=share,
-    )
+def _regional(
+    cells: Sequence[Cell],
+    shapers: Sequence[Shaper],
+    names: Sequence[str],
+    left: Sequence[float],
+) -> list[RegionalShaper]:
+    """The chosen shapers, without their idle impulses, and what they leave of each mode."""
+    numbers = [(*cell.band, cell.frequency, cell.damping_ratio) for cell in cells]
+    impulses = [(np.asarray(own.times), np.asarray(own.amplitudes)) for own in shapers]
+    rows = _some_at_a_time(len(cells))
+    parts = [_residuals(*(np.array(own)[few] for own in (numbers, impulses))) for few in rows]
+    residuals = np.concatenate(parts)[: len(cells)]
+    made = []
+    for cell, (times, amplitudes), name, own, residual in zip(
+        cells, impulses, names, left, residuals, strict=True
+    ):
+        used = amplitudes != 0
+        made.append(
+            RegionalShaper(
+                region=cell.region,
+                height=cell.height,
+                shaper=Shaper(times[used], amplitudes[used]),
+                frequency=cell.frequency,
+                band=cell.band,
+                damping_ratio=cell.damping_ratio,
+                measured=cell.measured,
+                residual_vibration=ResidualVibration(*residual.tolist()),
+                kind=name,
+                share=own,
+            )
+        )
+    return made
+
+
+@kept_jit
+def _residuals(
+    numbers: Float[Array, "cells 4"], impulses: Float[Array, "cells 2 impulses"]
+) -> Float[Array, "cells 2"]:
+    """What shapers leave of modes, and at most in bands, by these and damping ratios [1]."""
+
+    def of_cell(
+        numbers: Float[Array, "4"], impulses: Float[Array, "2 impulses"]
+    ) -> Float[Array, "2"]:
+        low, high, frequency, ratio = numbers
+        shaper = Shaper(*impulses)
+        nominal = residual_vibration(shaper, frequency=frequency, damping_ratio=ratio)
+        worst = worst_in_band(shaper, band=jnp.stack([low, high]), damping_ratio=ratio)
+        return jnp.stack([nominal, worst])
+
+    return jax.vmap(of_cell)(numbers, impulses)
+
+
+def _some_at_a_time(count: int) -> Int[np.ndarray, "parts cells"]:
+    """Cells in parts of one size, the first ones again at the end, for one compiled program."""
+    return np.arange(count + -count % _CELLS).reshape(-1, _CELLS) % count

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from scdpr_jax.command.controller import PD
+from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.fields import si
 from tuning.loop.flexible_loop import FlexiblePlant, PlantOfPoles
 from tuning.loop.plant import MotorPlant
@@ -102,17 +103,18 @@ def sampled_margins(plant: MotorPlant, controller: PD, *, delay: int = 1) -> Mar
             f"`delay` must not be negative [samples], got {delay}: a command that is out "
             "before the next sample has 0, one that waits for it has 1."
         )
-    return _sampled_margins(plant, controller, delay=delay)
+    return Margins(*_sampled_margins(plant, controller, delay=delay))
 
 
-@functools.partial(jax.jit, static_argnames="delay")
-def _sampled_margins(plant: MotorPlant, controller: PD, *, delay: int) -> Margins:
+@kept_jit
+def _sampled_margins(plant: MotorPlant, controller: PD, *, delay: int) -> tuple[Array, ...]:
     # A rate that is fitted or optimised moves the Nyquist frequency with it.
     nyquist = jnp.pi / controller.period
     lowest = 10**-_DECADES * jnp.minimum(crossover_scale(plant, controller), nyquist)
     share = jnp.linspace(0.0, 1.0, _POINTS, dtype=lowest.dtype)
     response = Response(functools.partial(sampled_loop, delay=delay), plant, controller)
-    return _margins(response, lowest * (nyquist / lowest) ** share, at_nyquist=True)
+    made = _margins(response, lowest * (nyquist / lowest) ** share, at_nyquist=True)
+    return tuple(jax.tree.leaves(made))
 
 
 def crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
