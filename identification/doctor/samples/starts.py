@@ -12,7 +12,7 @@ import numpy as np
 
 from identification.doctor.case import Record, Rig, X
 from identification.doctor.findings import Finding
-from identification.doctor.samples.begin import at_begin
+from identification.doctor.samples.begin import FEWEST, at_begin
 from identification.doctor.samples.motion import PUSHED_COUNTS, first_command
 from identification.doctor.words import finding
 
@@ -25,6 +25,10 @@ SURE = 6.0
 SPAN = 0.02
 """Time over which an encoder is followed back to the first row [s]."""
 
+MOST, PART = 25, 50
+"""Rows that it takes at most, and the run's rows over them: a clock in another unit may put the
+whole run into that time."""
+
 SWINGS = 10.0
 """Swing of the end-effector over the camera's noise that is motion: at rest it reaches 5."""
 
@@ -34,7 +38,7 @@ CLOSE = 0.05
 QUIET = 0.4
 """How long after the first row a swing counts [s]."""
 
-FEWEST = 5
+SEEN = 5
 """Frames before anything else moves that a swing is told by."""
 
 
@@ -57,13 +61,10 @@ def starts(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
 
 
 def _moving(record: Record, rig: Rig) -> tuple[Finding, ...]:
+    rows = slice(min(MOST, max(FEWEST, len(record.time) // PART)))
+    time, noise = record.time[rows] - record.time[0], rig.count / math.sqrt(12)
     for drive in (0, 1):
-        begin = at_begin(
-            record.time - record.time[0],
-            record.angle[:, drive],
-            SPAN,
-            rig.count / math.sqrt(12),
-        )
+        begin = at_begin(time, record.angle[rows, drive], SPAN, noise)
         speed, largest = abs(begin.slope), _largest_speed(record, drive)
         # Half a radian at the largest speed: below that, the run as a whole hardly moves.
         moves = largest * (record.time[-1] - record.time[0]) > 0.5
@@ -100,7 +101,7 @@ def _swinging(record: Record, rig: Rig) -> tuple[Finding, ...]:
     before = (stamps >= 0) & (stamps < min(end - record.time[0], QUIET))
     place = record.position[before, X]
     place = place[np.isfinite(place)]
-    swing = float(np.ptp(place)) if len(place) >= FEWEST else 0.0
+    swing = float(np.ptp(place)) if len(place) >= SEEN else 0.0
     if swing <= SWINGS * rig.position_sigma:
         return ()
     what = f"the end-effector swings by {swing * 1e3:.3g} mm before anything moves it"
