@@ -10,10 +10,11 @@ import math
 
 import numpy as np
 
-from identification.doctor.case import Record, Rig, X
+from identification.doctor.case import Q3, Q4, Record, Rig, X, Y
 from identification.doctor.findings import Finding
 from identification.doctor.samples.begin import FEWEST, at_begin
 from identification.doctor.samples.motion import PUSHED_COUNTS, first_command
+from identification.doctor.statistics import travel
 from identification.doctor.words import finding
 
 SHARE = 0.01
@@ -31,6 +32,9 @@ whole run into that time."""
 
 SWINGS = 10.0
 """Swing of the end-effector over the camera's noise that is motion: at rest it reaches 5."""
+
+PART_OF_WAY = 0.05
+"""The same over the run's way [1]: where lengths are in another unit, so is their noise."""
 
 CLOSE = 0.05
 """Time before the first other motion that doesn't count [s]: clocks may differ by it."""
@@ -79,7 +83,7 @@ def _moving(record: Record, rig: Rig) -> tuple[Finding, ...]:
                     evidence={"speed": speed, "largest_speed": largest},
                 ),
             )
-    return _swinging(record, rig)
+    return ()
 
 
 def _largest_speed(record: Record, drive: int) -> float:
@@ -89,10 +93,18 @@ def _largest_speed(record: Record, drive: int) -> float:
     return way / (span * record.period)
 
 
-def _swinging(record: Record, rig: Rig) -> tuple[Finding, ...]:
-    """Whether the end-effector swings before anything moves it."""
+def swings(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
+    """Whether the end-effector swings before anything moves it.
+
+    Args:
+        record: The run, its clocks and scales put right.
+        rig: What is known of the rig.
+
+    Returns:
+        The run, and what was found.
+    """
     if not record.filmed or (record.kind == "pseudo_impulse" and record.knock is None):
-        return ()
+        return record, ()
     turned = np.abs(record.angle - record.angle[0]).max(axis=1) > PUSHED_COUNTS * rig.count
     moved = float(record.time[np.argmax(turned)]) if turned.any() else np.inf
     knocked = np.inf if record.knock is None else record.knock.start
@@ -102,11 +114,12 @@ def _swinging(record: Record, rig: Rig) -> tuple[Finding, ...]:
     place = record.position[before, X]
     place = place[np.isfinite(place)]
     swing = float(np.ptp(place)) if len(place) >= SEEN else 0.0
-    if swing <= SWINGS * rig.position_sigma:
-        return ()
+    way = max(travel(record.position[:, column]) for column in (X, Q3, Q4, Y))
+    if swing <= max(SWINGS * rig.position_sigma, PART_OF_WAY * way):
+        return record, ()
     what = f"the end-effector swings by {swing * 1e3:.3g} mm before anything moves it"
     evidence = {"swing": swing, "noise": rig.position_sigma}
-    return (_told(record, what, stream="camera", column="x_e", evidence=evidence),)
+    return record, (_told(record, what, stream="camera", column="x_e", evidence=evidence),)
 
 
 def _told(
