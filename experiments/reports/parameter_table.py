@@ -8,7 +8,7 @@ from experiments.page.coordinates import plain_symbol
 from experiments.page.number_text import percent, readable_unit, rounded
 from experiments.page.table import Table
 from experiments.studies.findings.parameters import inside
-from identification.judge.uncertainty import ParameterEstimate, half_width, magnitude
+from identification.judge.uncertainty import ParameterEstimate
 from scdpr_jax.robot.quantities import EVERY_QUANTITY
 
 
@@ -58,11 +58,11 @@ def parameter_row(
     """
     quantity = {quantity.name: quantity for quantity in EVERY_QUANTITY}.get(parameter.name)
     low, high = parameter.interval95
-    half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
+    half = parameter.half_width
     fixed = parameter.status == "fixed"
-    size = magnitude(parameter.name, parameter.value)
     # What no run shows has no interval, and none is invented.
     untold = fixed or not math.isfinite(half)
+    relative = parameter.relative
     true = None if fixed else (truth or {}).get(parameter.name)
     return Row(
         name=parameter.name,
@@ -72,7 +72,7 @@ def parameter_row(
         value=rounded(parameter.value, half),
         low="" if untold else rounded(low, half),
         high="" if untold else rounded(high, half),
-        relative="" if untold or not size else percent(half / size),
+        relative="" if untold or math.isinf(relative) else percent(relative),
         unit="" if parameter.unit == "1" else readable_unit(parameter.unit),
         status=parameter.status.replace("_", " "),
         truth="" if true is None else rounded(true, half),

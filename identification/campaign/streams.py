@@ -1,16 +1,19 @@
 """The two streams of a run, from their tables."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float64, Shaped
 
 from identification.campaign.faults import Fault
-from identification.campaign.tables.columns import ACCELEROMETER, CAMERA, drive_columns
+from identification.campaign.tables.columns import ACCELEROMETER, CAMERA, Column, drive_columns
 from identification.campaign.tables.table import read_table
 from identification.campaign.types import AccelerometerStream, CameraStream, DriveStream
+
+Stream = TypeVar("Stream", DriveStream, CameraStream, AccelerometerStream)
 
 DRIVE_FILE = "drive.csv"
 """Name of the controller's stream."""
@@ -48,9 +51,7 @@ def read_drive(
     Returns:
         The stream, None if there are faults; and the faults.
     """
-    columns = drive_columns(counts_per_rev)
-    table, faults = read_table(folder / DRIVE_FILE, columns, file=f"{folder.name}/{DRIVE_FILE}")
-    return (None if table is None else drive_stream(table.values, table.extra)), faults
+    return _read(folder / DRIVE_FILE, drive_columns(counts_per_rev), drive_stream)
 
 
 def read_camera(folder: Path) -> tuple[CameraStream | None, tuple[Fault, ...]]:
@@ -65,13 +66,7 @@ def read_camera(folder: Path) -> tuple[CameraStream | None, tuple[Fault, ...]]:
     path = folder / CAMERA_FILE
     if not os.path.lexists(path):
         return None, ()
-    table, faults = read_table(
-        path, CAMERA, file=f"{folder.name}/{CAMERA_FILE}", may_be_empty=True
-    )
-    if table is None:
-        return None, faults
-    position = np.stack([table.values[name] for name in POSITIONS], axis=-1)
-    return CameraStream(time=table.values["t"], position=position, extra=table.extra), ()
+    return _read(path, CAMERA, camera_stream, may_be_empty=True)
 
 
 def read_accelerometer(
@@ -88,8 +83,37 @@ def read_accelerometer(
     path = folder / ACCELEROMETER_FILE
     if not os.path.lexists(path):
         return None, ()
-    table, faults = read_table(path, ACCELEROMETER, file=f"{folder.name}/{ACCELEROMETER_FILE}")
-    return (None if table is None else accelerometer_stream(table.values, table.extra)), faults
+    return _read(path, ACCELEROMETER, accelerometer_stream)
+
+
+def _read(
+    path: Path,
+    columns: tuple[Column, ...],
+    stream: Callable[..., Stream],
+    *,
+    may_be_empty: bool = False,
+) -> tuple[Stream | None, tuple[Fault, ...]]:
+    """A stream by its table, None if that has faults; and the faults."""
+    file = f"{path.parent.name}/{path.name}"
+    table, faults = read_table(path, columns, file=file, may_be_empty=may_be_empty)
+    return (None if table is None else stream(table.values, table.extra)), faults
+
+
+def camera_stream(
+    values: Mapping[str, Float64[np.ndarray, " rows"]],
+    extra: Mapping[str, Shaped[np.ndarray, " rows"]],
+) -> CameraStream:
+    """The vision system's stream of its columns.
+
+    Args:
+        values: Columns by their names in the format [SI].
+        extra: Other columns by header.
+
+    Returns:
+        The stream.
+    """
+    position = np.stack([values[name] for name in POSITIONS], axis=-1)
+    return CameraStream(time=values["t"], position=position, extra=dict(extra))
 
 
 def accelerometer_stream(

@@ -20,6 +20,7 @@ from identification.doctor.samples import (
     slow_jumps,
     starts,
     stuck,
+    swings,
 )
 from identification.doctor.slips import conclusion
 
@@ -29,7 +30,7 @@ Look = Callable[[Record, Rig], tuple[Record, tuple[Finding, ...]]]
 FIRST_LOOKS: tuple[Look, ...] = (clocks, encoders, stuck, frames, starts)
 """What is looked at before one sensor is held against another."""
 
-LAST_LOOKS: tuple[Look, ...] = (slow_jumps, knocks)
+LAST_LOOKS: tuple[Look, ...] = (slow_jumps, swings, knocks)
 """What needs clocks and scales that are right."""
 
 

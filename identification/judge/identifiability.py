@@ -53,6 +53,8 @@ class Identifiability:
     unranked: tuple[Combination, ...] = ()
     """Those that move next to nothing over all that is plausible of them: the Jacobian's rank
     leaves them open, however small the noise."""
+    plausible: tuple[float, ...] = ()
+    """What is plausible of each quantity, as a fit holds it; none where nothing is open."""
 
     @property
     def rank(self) -> int:
@@ -71,6 +73,23 @@ class Identifiability:
         return frozenset(
             name for each in self.unranked for k, name in enumerate(self.names) if each.has(k)
         )
+
+    def left_open(self) -> dict[tuple[str, str | None], float]:
+        """By how much the rank leaves each quantity open, as a fit holds it.
+
+        An open combination may be anywhere within what is plausible of it, and takes every
+        quantity along that has a part in it: one with a twentieth is known to a twentieth of
+        what is plausible, however well its own slope is known.
+
+        Returns:
+            Standard deviations by name and setting.
+        """
+        if not self.unranked:
+            return {}
+        parts = np.array([each.powers for each in self.unranked])
+        parts = np.where(np.abs(parts) > 1e-6, parts, 0.0)  # an eigenvector's rounding
+        sizes = np.sqrt(np.sum(np.square(parts), axis=0)) * self.plausible
+        return {n: float(s) for n, s in zip(self.names, sizes, strict=True) if s > 0}
 
     def reason(self, name: str, setting: str | None) -> str:
         """Why a quantity is told badly, in words.
@@ -158,6 +177,7 @@ def identifiability(
             for each in combinations(_schur(ranked, opened, others), names, motion=motion)
             if each.share < SHARE
         ),
+        plausible=tuple(plausible[opened].tolist()),
     )
 
 

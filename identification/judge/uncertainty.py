@@ -67,6 +67,17 @@ class ParameterEstimate:
         half = half_width(self.sigma, confidence, self.degrees_of_freedom)
         return self.value - half, self.value + half
 
+    @property
+    def half_width(self) -> float:
+        """Half of the 95 % interval before it is cut where the quantity ends [SI]."""
+        return half_width(self.sigma, 0.95, self.degrees_of_freedom)
+
+    @property
+    def relative(self) -> float:
+        """The same over the value, or over what is negligible of the quantity [1]."""
+        size = magnitude(self.name, self.value)
+        return self.half_width / size if size else np.inf
+
     def __str__(self) -> str:
         unit = "" if self.unit == "1" else f" {self.unit}"
         return f"{self.label} = {self.value:.5g}{unit} ± {self.sigma:.2g}{unit}, {self.status}"
@@ -86,6 +97,25 @@ def half_width(sigma: float, confidence: float, degrees_of_freedom: float) -> fl
     if not np.isfinite(sigma):
         return np.inf
     return float(special.stdtrit(degrees_of_freedom, 0.5 + confidence / 2) * sigma)
+
+
+def interval95(
+    name: str, value: float, sigma: float, degrees_of_freedom: float
+) -> tuple[float, float]:
+    """A quantity's 95 % interval, cut where the quantity itself ends.
+
+    Args:
+        name: Name of the quantity.
+        value: Its value [SI].
+        sigma: Its standard error [SI].
+        degrees_of_freedom: Degrees of freedom of that [1].
+
+    Returns:
+        Its ends [SI]; of what can't be negative none is, unless nothing is known.
+    """
+    half = half_width(sigma, 0.95, degrees_of_freedom)
+    unbounded = quantity(name).signed or not np.isfinite(half)
+    return value - half if unbounded else max(value - half, 0.0), value + half
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -14,12 +14,18 @@ doing until the contrary is shown.
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from identification.fit.comparison import ENCODERS, Channel, Comparison
-from identification.judge.uncertainty import DOES_NOT_FIT, ParameterEstimate
+from identification.judge.uncertainty import (
+    DOES_NOT_FIT,
+    ParameterEstimate,
+    interval95,
+    judge,
+)
+from scdpr_jax.robot.quantities import quantity
 
 TENS = 30.0
 """Residual over the noise from which a channel isn't explained [1]: rigs that bend, rub and
@@ -105,6 +111,7 @@ def judged(
     failed: bool,
     contradicted: bool,
     open_by_rank: frozenset[tuple[str, str | None]] = frozenset(),
+    left_open: Mapping[tuple[str, str | None], float] | None = None,
 ) -> tuple[ParameterEstimate, ...]:
     """The quantities as the verdict leaves them.
 
@@ -114,12 +121,14 @@ def judged(
         contradicted: Whether a contradiction between the sensors was accepted, or the fit is
             doubtful: what rests on data that can't all be right is weakly identified at best.
         open_by_rank: Name and setting of the quantities that no smaller noise would tell.
+        left_open: By how much that leaves each quantity open, as a fit holds it; None for not.
 
     Returns:
         The quantities; fixed ones as they are.
     """
 
     def of(parameter: ParameterEstimate) -> ParameterEstimate:
+        parameter = _widened(parameter, left_open or {})
         by_rank = (parameter.name, parameter.setting) in open_by_rank
         if parameter.status == "fixed" or not (failed or contradicted or by_rank):
             return parameter
@@ -132,6 +141,24 @@ def judged(
         return dataclasses.replace(parameter, status=status)
 
     return tuple(map(of, parameters))
+
+
+def _widened(
+    parameter: ParameterEstimate, left_open: Mapping[tuple[str, str | None], float]
+) -> ParameterEstimate:
+    """A quantity with what it may go along with one that no smaller noise would tell."""
+    encoded = left_open.get((parameter.name, parameter.setting), 0.0)
+    if parameter.status == "fixed" or encoded == 0.0 or not math.isfinite(parameter.sigma):
+        return parameter
+    size = abs(parameter.value) if quantity(parameter.name).positive else 1.0
+    sigma = math.hypot(parameter.sigma, encoded * size)
+    name, value, freedom = parameter.name, parameter.value, parameter.degrees_of_freedom
+    return dataclasses.replace(
+        parameter,
+        sigma=sigma,
+        interval95=interval95(name, value, sigma, freedom),
+        status=judge(name, value, sigma, at_bound=parameter.status == "at_bound"),
+    )
 
 
 def _is_unexplained(channel: Channel, seen: float) -> bool:

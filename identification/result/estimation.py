@@ -154,6 +154,7 @@ def _estimate(
             failed=bool(failing),
             contradicted=bool(accepted) or doubtful,
             open_by_rank=telling.open_by_rank,
+            left_open=telling.left_open(),
         ),
         residuals=tuple(
             Residual(channel.name, channel.rms, channel.sigma, channel.is_noise)

@@ -14,7 +14,7 @@ from identification.judge.uncertainty import (
     Covariance,
     ParameterEstimate,
     covariance,
-    half_width,
+    interval95,
     is_undetermined,
     judge,
 )
@@ -144,16 +144,13 @@ def _parameter(
         number, sigma = float(value(problem.prior, name)), np.inf
     # The logarithm's standard error is relative.
     sigma *= number if kind.positive else 1.0
-    half = half_width(sigma, 0.95, degrees_of_freedom)
-    unbounded = kind.signed or not np.isfinite(half)
-    low = number - half if unbounded else max(number - half, 0.0)
     return ParameterEstimate(
         name=name,
         setting=setting,
         value=number,
         unit=kind.unit,
         sigma=sigma,
-        interval95=(low, number + half),
+        interval95=interval95(name, number, sigma, degrees_of_freedom),
         status=judge(name, number, sigma, at_bound=at_bound),
         degrees_of_freedom=degrees_of_freedom,
     )

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.page import style
 from experiments.page.number_text import percent
-from identification.judge.uncertainty import UNSEEN, WEAK, ParameterEstimate, magnitude
+from identification.judge.uncertainty import UNSEEN, WEAK, ParameterEstimate
 
 
 class RelativeInterval(NamedTuple):
@@ -41,13 +41,11 @@ def relative_intervals(
     for parameter in parameters:
         if parameter.status == "fixed":
             continue
-        half = (parameter.interval95[1] - parameter.interval95[0]) / 2
-        size = magnitude(parameter.name, parameter.value)
         true = (truth or {}).get(parameter.name)
         relative.append(
             RelativeInterval(
                 name=shown_name(parameter),
-                half_width=half / size if size else np.inf,
+                half_width=parameter.relative,
                 error=parameter.value / true - 1 if true else None,
                 status=parameter.status,
             )

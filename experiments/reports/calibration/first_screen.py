@@ -11,7 +11,7 @@ from experiments.studies.findings.findings import Findings
 from experiments.studies.findings.parameters import estimated
 from experiments.studies.findings.tuning import TuningFindings
 from experiments.studies.trust import Trust, trust
-from identification.judge.uncertainty import ParameterEstimate, half_width
+from identification.judge.uncertainty import ParameterEstimate
 from scdpr_jax.robot.quantities import EVERY_QUANTITY
 from tuning.result.prediction import LegsOutcome, PredictedLegs
 
@@ -107,7 +107,7 @@ def exported_sides(legs: PredictedLegs) -> tuple[tuple[str, LegsOutcome], ...]:
 
 def _quantity(parameter: ParameterEstimate) -> Quantity:
     kind = {quantity.name: quantity for quantity in EVERY_QUANTITY}.get(parameter.name)
-    half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
+    half = parameter.half_width
     unit = "" if parameter.unit == "1" else f" {readable_unit(parameter.unit)}"
     name = _SHORT[parameter.name]
     size = abs(parameter.value)

@@ -106,11 +106,7 @@ def run_film(estimate: Estimate, *, name: str) -> tuple[Markup, str] | None:
 def _intervals(
     free: Sequence[ParameterEstimate], truth: dict[str, float] | None, picture: Pictures
 ) -> Picture:
-    widths = [(p.interval95[1] - p.interval95[0]) / 2 / abs(p.value or 1.0) for p in free]
-    told = [
-        f"{p.name.replace('_', ' ')} ±{percent(share)}"
-        for p, share in zip(free, widths, strict=True)
-    ]
+    told = [f"{p.name.replace('_', ' ')} ±{percent(p.relative)}" for p in free]
     return picture(
         intervals(free, truth=truth),
         "How well each parameter is known: the shorter the bar, the better. A bar that "

@@ -88,6 +88,6 @@ def _bootstrap(influence: Influence, parameters: tuple[ParameterEstimate, ...]) 
 def _ends(parameter: ParameterEstimate, interval: Interval | None) -> tuple[str, str]:
     if interval is None:
         return ("too few runs", "")
-    half = (parameter.interval95[1] - parameter.interval95[0]) / 2
+    half = parameter.half_width
     low, high = (rounded(end, half) if math.isfinite(end) else "none" for end in interval)
     return low, high

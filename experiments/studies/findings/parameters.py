@@ -125,7 +125,7 @@ def parameter_sentence(parameter: ParameterEstimate) -> str:
         return f"{name} can't be told from these runs."
     if parameter.status == "at_bound":
         return f"{name} came to rest at its bound, {rounded(parameter.value, 0)}{unit}."
-    half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
+    half = parameter.half_width
     if parameter.name in USUAL and parameter.value <= half:
         most = rounded(parameter.value + half, half)
         return f"{name}: {most}{unit} at the most (95 %); the runs don't ask for any."

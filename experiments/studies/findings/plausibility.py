@@ -11,7 +11,7 @@ from identification.campaign.quantities import QuantityError, parse_quantity
 from identification.campaign.types import Campaign
 from identification.fit.unknowns.measured import MeasuredFit
 from identification.fit.unknowns.unknowns import PER_SETTING
-from identification.judge.uncertainty import ParameterEstimate, half_width
+from identification.judge.uncertainty import ParameterEstimate
 from identification.judge.verdict import INERTIA_FACTOR
 from identification.knocks.frequency_map import FrequencyMap
 from identification.knocks.settings import ALIKE, APART, alike_settings, odd_knocks
@@ -139,7 +139,7 @@ def _above_setting(parameter: ParameterEstimate) -> str:
         setting = parse_quantity(parameter.setting or "", unit="N")
     except QuantityError:
         return ""
-    half = half_width(parameter.sigma, 0.95, parameter.degrees_of_freedom)
+    half = parameter.half_width
     low = parameter.value - half if parameter.sigma < float("inf") else parameter.value
     if low <= ABOVE * setting:
         return ""

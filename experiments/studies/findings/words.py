@@ -107,6 +107,7 @@ def words_sure(
         *sentences,
         *implausible(estimate, campaign),
         *_clocks(campaign, estimate),
+        *_begun(campaign),
         *_skipped(campaign),
     )
 
@@ -223,6 +224,14 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> tuple[str, ...]:
             f"{plain(max(drifts), 3)} ppm faster than the drives'."
         )
     return tuple(sentences)
+
+
+def _begun(campaign: Campaign) -> tuple[str, ...]:
+    names = [run.name for run in campaign.runs if run.in_motion]
+    if not names:
+        return ()
+    listed = ", ".join(names[:_LISTED]) + (" and more" if len(names) > _LISTED else "")
+    return (f"Start velocities were estimated of what begins in motion: {listed}.",)
 
 
 def _skipped(campaign: Campaign) -> tuple[str, ...]:

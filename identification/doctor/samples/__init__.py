@@ -9,4 +9,5 @@ from identification.doctor.samples.frames import frames as frames
 from identification.doctor.samples.kinds import kinds as kinds
 from identification.doctor.samples.knocks import knocks as knocks
 from identification.doctor.samples.starts import starts as starts
+from identification.doctor.samples.starts import swings as swings
 from identification.doctor.samples.stuck import stuck as stuck

@@ -10,10 +10,11 @@ import math
 
 import numpy as np
 
-from identification.doctor.case import Record, Rig, X
+from identification.doctor.case import Q3, Q4, Record, Rig, X, Y
 from identification.doctor.findings import Finding
-from identification.doctor.samples.begin import at_begin
+from identification.doctor.samples.begin import FEWEST, at_begin
 from identification.doctor.samples.motion import PUSHED_COUNTS, first_command
+from identification.doctor.statistics import travel
 from identification.doctor.words import finding
 
 SHARE = 0.01
@@ -25,8 +26,15 @@ SURE = 6.0
 SPAN = 0.02
 """Time over which an encoder is followed back to the first row [s]."""
 
+MOST, PART = 25, 50
+"""Rows that it takes at most, and the run's rows over them: a clock in another unit may put the
+whole run into that time."""
+
 SWINGS = 10.0
 """Swing of the end-effector over the camera's noise that is motion: at rest it reaches 5."""
+
+PART_OF_WAY = 0.05
+"""The same over the run's way [1]: where lengths are in another unit, so is their noise."""
 
 CLOSE = 0.05
 """Time before the first other motion that doesn't count [s]: clocks may differ by it."""
@@ -34,7 +42,7 @@ CLOSE = 0.05
 QUIET = 0.4
 """How long after the first row a swing counts [s]."""
 
-FEWEST = 5
+SEEN = 5
 """Frames before anything else moves that a swing is told by."""
 
 
@@ -57,13 +65,10 @@ def starts(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
 
 
 def _moving(record: Record, rig: Rig) -> tuple[Finding, ...]:
+    rows = slice(min(MOST, max(FEWEST, len(record.time) // PART)))
+    time, noise = record.time[rows] - record.time[0], rig.count / math.sqrt(12)
     for drive in (0, 1):
-        begin = at_begin(
-            record.time - record.time[0],
-            record.angle[:, drive],
-            SPAN,
-            rig.count / math.sqrt(12),
-        )
+        begin = at_begin(time, record.angle[rows, drive], SPAN, noise)
         speed, largest = abs(begin.slope), _largest_speed(record, drive)
         # Half a radian at the largest speed: below that, the run as a whole hardly moves.
         moves = largest * (record.time[-1] - record.time[0]) > 0.5
@@ -78,7 +83,7 @@ def _moving(record: Record, rig: Rig) -> tuple[Finding, ...]:
                     evidence={"speed": speed, "largest_speed": largest},
                 ),
             )
-    return _swinging(record, rig)
+    return ()
 
 
 def _largest_speed(record: Record, drive: int) -> float:
@@ -88,10 +93,18 @@ def _largest_speed(record: Record, drive: int) -> float:
     return way / (span * record.period)
 
 
-def _swinging(record: Record, rig: Rig) -> tuple[Finding, ...]:
-    """Whether the end-effector swings before anything moves it."""
+def swings(record: Record, rig: Rig) -> tuple[Record, tuple[Finding, ...]]:
+    """Whether the end-effector swings before anything moves it.
+
+    Args:
+        record: The run, its clocks and scales put right.
+        rig: What is known of the rig.
+
+    Returns:
+        The run, and what was found.
+    """
     if not record.filmed or (record.kind == "pseudo_impulse" and record.knock is None):
-        return ()
+        return record, ()
     turned = np.abs(record.angle - record.angle[0]).max(axis=1) > PUSHED_COUNTS * rig.count
     moved = float(record.time[np.argmax(turned)]) if turned.any() else np.inf
     knocked = np.inf if record.knock is None else record.knock.start
@@ -100,12 +113,13 @@ def _swinging(record: Record, rig: Rig) -> tuple[Finding, ...]:
     before = (stamps >= 0) & (stamps < min(end - record.time[0], QUIET))
     place = record.position[before, X]
     place = place[np.isfinite(place)]
-    swing = float(np.ptp(place)) if len(place) >= FEWEST else 0.0
-    if swing <= SWINGS * rig.position_sigma:
-        return ()
+    swing = float(np.ptp(place)) if len(place) >= SEEN else 0.0
+    way = max(travel(record.position[:, column]) for column in (X, Q3, Q4, Y))
+    if swing <= max(SWINGS * rig.position_sigma, PART_OF_WAY * way):
+        return record, ()
     what = f"the end-effector swings by {swing * 1e3:.3g} mm before anything moves it"
     evidence = {"swing": swing, "noise": rig.position_sigma}
-    return (_told(record, what, stream="camera", column="x_e", evidence=evidence),)
+    return record, (_told(record, what, stream="camera", column="x_e", evidence=evidence),)
 
 
 def _told(

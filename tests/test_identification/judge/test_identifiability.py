@@ -46,3 +46,12 @@ def test_what_the_rank_leaves_open_is_named_beside_what_the_noise_hides():
     assert found.undetermined() == (flat,)
     reason = found.reason("drive_inertia", None)
     assert "can't tell torque per volt rising while drive inertia falls" in reason
+
+
+def test_a_part_in_what_the_rank_leaves_open_is_left_open_by_as_much():
+    flat = Combination(NAMES, (0.996, 0.0, -0.09), 1e-6, share=1e-5)
+    found = dataclasses.replace(
+        sample([1] * 6, [1e-3] * 3, ()), unranked=(flat,), plausible=(0.02, 1.0, 1.0)
+    )
+    assert found.left_open() == {NAMES[0]: pytest.approx(0.01992), NAMES[2]: 0.09}
+    assert sample([1] * 6, [1e-3] * 3, ()).left_open() == {}

@@ -1,7 +1,14 @@
 import numpy as np
 import pytest
 
-from identification.judge.uncertainty import covariance, half_width, is_undetermined, judge
+from identification.judge.uncertainty import (
+    ParameterEstimate,
+    covariance,
+    half_width,
+    interval95,
+    is_undetermined,
+    judge,
+)
 
 RUNS, BLOCKS, SAMPLES = 12, 40, 10
 
@@ -114,3 +121,20 @@ def test_what_may_as_well_be_zero_is_judged_by_its_usual_size():
     # A millionth of what the drives can do, and known to half of that.
     assert judge("drive_friction", 1e-6, 5e-7, at_bound=False) == "identified"
     assert judge("drive_friction", 1e-6, 1e-2, at_bound=False) == "unidentifiable"
+
+
+def test_a_friction_near_zero_is_known_as_well_as_its_uncut_interval_says():
+    friction = ParameterEstimate(
+        "drive_friction",
+        None,
+        1e-3,
+        "N m",
+        1e-3,
+        interval95("drive_friction", 1e-3, 1e-3, np.inf),
+        "weak",
+    )
+    low, high = friction.interval95
+    assert low == 0.0
+    assert high - friction.value == friction.half_width
+    # A tenth of the usual 0.05 N m is what is negligible.
+    assert friction.relative == pytest.approx(1.96e-3 / 5e-3, rel=1e-3)

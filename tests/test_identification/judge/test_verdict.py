@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from identification.fit.comparison import CAMERA, ENCODERS, Channel
-from identification.judge.uncertainty import DOES_NOT_FIT
+from identification.judge.uncertainty import DOES_NOT_FIT, ParameterEstimate
 from identification.judge.verdict import (
     INERTIA_FACTOR,
     SHARE,
@@ -120,3 +120,17 @@ def test_an_inertia_that_no_rotor_has_makes_a_fit_with_more_than_noise_doubtful(
     assert is_doubtful((inertia,), (noisy,), nameplate=nameplate)
     assert not is_doubtful((inertia,), (quiet,), nameplate=nameplate)
     assert not is_doubtful((inertia,), (noisy,), nameplate=value / 1.5)
+
+
+def test_what_goes_along_with_an_open_combination_is_known_no_better_than_that():
+    inertia = ParameterEstimate(
+        "drive_inertia", None, 0.016, "kg m^2", 1e-6, (0.016, 0.016), "identified"
+    )
+    key = ("drive_inertia", None)
+    (widened,) = judged([inertia], failed=False, contradicted=False, left_open={key: 0.05})
+    assert widened.status == "identified"
+    assert math.isclose(widened.sigma, 0.05 * 0.016, rel_tol=1e-3)
+    low, high = widened.interval95
+    assert low < 0.0150 < 0.0170 < high
+    (weak,) = judged([inertia], failed=False, contradicted=False, left_open={key: 0.3})
+    assert weak.status == "weak"
