@@ -12,12 +12,8 @@ from experiments.runtime.executors.processes import Processes
 
 CERTIFICATES = ("ca.pem", "cert.pem", "key.pem")
 """Files of `--certificates`: who signs, the own certificate, its key."""
-_LOCAL = {
-    "distributed.worker.profile.enabled": False,
-    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 2**30,
-}
-"""Workers of a local cluster don't look at themselves a hundred times a second, and don't give
-back the memory of every array: a program asks for it again at once."""
+_LOCAL = {"distributed.worker.profile.enabled": False}
+"""Workers of a local cluster don't look at themselves a hundred times a second."""
 ANSWERS_WITHIN = 15.0
 """How long a scheduler may take to answer [s]."""
 
