@@ -70,7 +70,8 @@ def sweep(
     folder = out.with_name(f".{out.name}.unfinished")
     if not folder.exists():
         _require_none(out)
-    swept = Sweep(measure, Grid(axes), robot)
+    grid = Grid(axes)
+    swept = Sweep(measure.of_size(grid.count), grid, robot)
     job = Job("sweep", swept.parcel(), swept.units, executor.installation)
     with claimed(folder, job, named_inputs(swept)) as (store, left):
         # Who was at it before may have been stopped after all was done.
