@@ -30,7 +30,8 @@ class Provenance(JsonObject, frozen=True):
     """Version of scdpr-jax."""
 
     def __str__(self) -> str:
-        made = f"Made by scdpr-jax {self.version or '(unknown)'} on {self.date or '(unknown)'}"
+        made = f"Made by scdpr-jax {self.version or '(unknown)'}"
+        made += f" on {self.date}" if self.date else ""
         of = f" from {self.campaign!r}" if self.campaign else ""
         logs = f", logs SHA-256 {self.source}" if self.source else ""
         return f"{made}{of}{logs}."
@@ -61,6 +62,19 @@ def made_today(campaign: str, source: str) -> Provenance:
     return Provenance(
         campaign=campaign, source=source, date=day.date().isoformat(), version=version
     )
+
+
+def of_no_day(campaign: str, source: str) -> Provenance:
+    """The provenance of what may be gone on with tomorrow, and ends with the same bytes.
+
+    Args:
+        campaign: Name of the campaign, or of the log.
+        source: Hash of the logs, see `hash_of`.
+
+    Returns:
+        It without a date.
+    """
+    return made_today(campaign, source).model_copy(update={"date": ""})
 
 
 def hash_of(files: Iterable[pathlib.Path], folder: pathlib.Path) -> str:

@@ -3,8 +3,10 @@
 A computation tells which share of its work is done, and its parts aren't alike: compiling tells
 nothing for seconds, and legs are told one by one. So what is told becomes a share of the time
 by how it went the last time, or, the first time, by how it usually goes; and between two
-tellings the share goes on by the clock, as far as the next one. The share that is told would be
-simpler, and stands still for seconds and leaps.
+tellings the share goes on as far as the next one: by the processor time that this process took
+for that part the last time, or by the clock where it wasn't this process that worked. The share
+that is told would be simpler, and stands still for seconds and leaps; so would the clock alone,
+which is wrong as soon as others take the processor.
 """
 
 import bisect
@@ -32,6 +34,8 @@ class Pace:
     """Its time [s]."""
     points: tuple[tuple[float, float], ...]
     """Shares that it told, and the share of the time at which it did, both rising."""
+    used: tuple[float, ...] = ()
+    """Processor time that it had taken at each of them and at its end [s]; empty: unknown."""
 
     def scaled(self, total: float) -> "Pace":
         """The same on a machine on which it takes another time.
@@ -45,6 +49,8 @@ class Pace:
         return dataclasses.replace(self, total=total)
 
 
+_BUSY = 0.5
+"""Processor time over time from which on a part is this process's own work [1]."""
 EVEN = Pace(60.0, ())
 """Of what has never been run: what it tells is taken for its time, of a minute."""
 _UNKNOWN = 0.1
@@ -64,78 +70,85 @@ class Standing:
 class Clock:
     """What a computation tells, as time: the share never falls, and goes on by itself."""
 
-    def __init__(self, pace: Pace, now: float):
+    def __init__(self, pace: Pace, now: float, used: float = 0.0):
         """A clock at the begin of a computation.
 
         Args:
             pace: How it went before.
             now: Time [s], on any clock.
+            used: Processor time of the process [s].
         """
         self._pace = pace
         self._begin = now
-        self._told = [(0.0, 0.0)]
+        self._used = used
+        self._told = [(0.0, 0.0, 0.0)]
         self._at = 0.0
         self._shown = 0.0
 
-    def tell(self, share: float, now: float) -> None:
+    def tell(self, share: float, now: float, used: float = 0.0) -> None:
         """Take what is told; a share below what was told before counts as that.
 
         Args:
             share: Share of the work that is done [1].
             now: Time [s].
+            used: Processor time of the process [s].
         """
         share = max(share, self._told[-1][0])
-        self._told.append((share, now - self._begin))
+        self._told.append((share, now - self._begin, used - self._used))
         self._at = max(self._at, self._in_time(share))
 
-    def standing(self, now: float) -> Standing:
+    def standing(self, now: float, used: float = 0.0) -> Standing:
         """How far it is.
 
         Args:
             now: Time [s].
+            used: Processor time of the process [s].
 
         Returns:
             Where it stands.
         """
-        passed, told = now - self._begin, self._told[-1][1]
-        total = self._total(told)
+        passed, (_, told, taken) = now - self._begin, self._told[-1]
+        total = self._total(self._at, told)
         ahead = self._next(self._at) - self._at
         if not self._pace.points:
             ahead = min(ahead, _UNKNOWN)
-        gone = (passed - told) / total
+        gone, work = (passed - told) / total, self._work(self._at, ahead)
+        if work:
+            gone = ahead * (used - self._used - taken) / work
         share = self._at + (ahead * _creeping(gone / ahead) if ahead else 0.0)
         self._shown = min(max(self._shown, share), 1.0)
         known = self._told[-1][0] or self._pace.points
         if not known or not self._shown:
             return Standing(self._shown, math.nan)
         # What takes longer than it ever did makes the whole longer.
-        return Standing(self._shown, max(total, passed / self._shown) * (1 - self._shown))
+        longer = max(total, passed / self._shown)
+        total = self._total(self._shown, passed) if work else longer
+        return Standing(self._shown, total * (1 - self._shown))
 
-    def pace(self, now: float) -> Pace:
+    def pace(self, now: float, used: float = 0.0) -> Pace:
         """How it went.
 
         Args:
             now: Time of its end [s].
+            used: Processor time of the process [s].
 
         Returns:
             The pace, for the next time.
         """
         total = max(now - self._begin, 1e-9)
-        points: list[tuple[float, float]] = []
-        for share, at in self._told[1:]:
+        points: list[tuple[float, float, float]] = []
+        for share, at, taken in self._told[1:]:
             # What is told at once after something else is where that part ended.
             if not points or (share > points[-1][0] and at / total > points[-1][1]):
-                points.append((share, at / total))
+                points.append((share, at / total, taken))
         every = max(1, -(-len(points) // _POINTS))
-        return Pace(total, tuple(points[::every]))
+        kept = points[::every]
+        took = (*(taken for _, _, taken in kept), used - self._used)
+        return Pace(total, tuple(point[:2] for point in kept), took if used else ())
 
     def _in_time(self, share: float) -> float:
         """A share of the work as a share of the time."""
-        shares, times = self._curve()
-        above = min(max(bisect.bisect_right(shares, share), 1), len(shares) - 1)
-        low, high = shares[above - 1], shares[above]
-        part = (share - low) / (high - low)
-        return times[above - 1] + part * (times[above] - times[above - 1])
+        return _between(share, *self._curve())
 
     def _next(self, at: float) -> float:
         """Share of the time at which something is told next."""
@@ -146,11 +159,28 @@ class Clock:
         shares, times = zip((0.0, 0.0), *inner, (1.0, 1.0), strict=True)
         return shares, times
 
-    def _total(self, told: float) -> float:
-        """Time of the whole [s], by the last time and by what was told so far."""
+    def _work(self, at: float, ahead: float) -> float:
+        """Processor time of a part that begins at some share [s]; 0 where others work."""
+        if not self._pace.used or not ahead:
+            return 0.0
+        times = (0.0, *(time for _, time in self._pace.points), 1.0)
+        used = (0.0, *self._pace.used)
+        begin, end = (_between(time, times, used) for time in (at, at + ahead))
+        return end - begin if end - begin > _BUSY * ahead * self._pace.total else 0.0
+
+    def _total(self, share: float, passed: float) -> float:
+        """Time of the whole [s], by the last time and by how far it was after some time."""
         # Of what has never been run, what it shows itself counts nearly alone.
         belief = _BELIEF if self._pace.points else _BELIEF / 20
-        return (told + belief * self._pace.total) / (self._at + belief)
+        return (passed + belief * self._pace.total) / (share + belief)
+
+
+def _between(at: float, places: Sequence[float], values: Sequence[float]) -> float:
+    """A value between those at rising places."""
+    above = min(max(bisect.bisect_right(places, at), 1), len(places) - 1)
+    low, high = places[above - 1], places[above]
+    part = (at - low) / (high - low) if high > low else 1.0
+    return values[above - 1] + part * (values[above] - values[above - 1])
 
 
 def _creeping(gone: float) -> float:
@@ -193,7 +223,7 @@ def keep(name: str, pace: Pace, kept: pathlib.Path | None) -> None:
         return
     every = _kept(kept)
     first = name in USUAL and name not in every
-    every[name] = dataclasses.replace(pace, points=()) if first else pace
+    every[name] = dataclasses.replace(pace, points=(), used=()) if first else pace
     document = {known: dataclasses.asdict(own) for known, own in every.items()}
     try:
         write_whole(kept, json.dumps(document))
@@ -209,9 +239,12 @@ def _kept(file: pathlib.Path | None) -> dict[str, Pace]:
         document = json.loads(file.read_text(encoding="utf-8"))
         return {
             name: Pace(
-                float(own["total"]), tuple((float(a), float(b)) for a, b in own["points"])
+                float(own["total"]),
+                tuple((float(a), float(b)) for a, b in own["points"]),
+                tuple(map(float, own["used"])),
             )
             for name, own in document.items()
+            if len(own["used"]) in (0, len(own["points"]) + 1)
         }
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return {}

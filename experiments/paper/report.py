@@ -5,7 +5,7 @@ import csv
 import dataclasses
 import io
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from matplotlib.figure import Figure
 
@@ -116,6 +116,24 @@ def counts(parts: Sequence[Reproduced]) -> dict[Verdict, int]:
     """
     each = collections.Counter(one.claim.verdict for part in parts for one in part.judged)
     return {verdict: each[verdict] for verdict in Verdict}
+
+
+def told(parts: Sequence[Reproduced]) -> Iterator[str]:
+    """What came of it, in lines.
+
+    Args:
+        parts: What was reproduced.
+
+    Yields:
+        How often each verdict was found, and what isn't borne out.
+    """
+    for verdict, count in counts(parts).items():
+        yield f"{count:4d} {verdict.value}"
+    for one in (each for part in parts for each in part.judged if not each.stands):
+        yield (
+            f"not borne out: {one.claim.name}: computed {one.number} {one.unit}, said to be "
+            f"{one.claim.verdict.value}"
+        )
 
 
 def write(parts: Sequence[Reproduced], out: pathlib.Path) -> tuple[pathlib.Path, ...]:

@@ -81,7 +81,7 @@ def write_calibration(
         provenance=made,
     )
     if mapped:
-        write_frequencies(findings.frequencies, out / "frequencies.csv")
+        write_frequencies(findings.frequencies, out / "frequencies.csv", provenance=made)
     runs = out / "runs.csv"
     write_whole(runs, runs_table(findings.estimate.comparisons))
     tuning = None

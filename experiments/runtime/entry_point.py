@@ -69,11 +69,11 @@ def shown_progress(console: Console, name: str) -> Iterator[Progress]:
     Yields:
         What computations tell what they are doing.
     """
-    clock = Clock(expected(name, _paces_file()), time.monotonic())
+    clock = Clock(expected(name, _paces_file()), time.monotonic(), time.process_time())
     shown = _bar if console.is_terminal and not console.is_dumb_terminal else _stages
     with shown(console, clock) as told:
         yield Progress(told)
-    keep(name, clock.pace(time.monotonic()), _paces_file())
+    keep(name, clock.pace(time.monotonic(), time.process_time()), _paces_file())
 
 
 @contextlib.contextmanager
@@ -83,10 +83,10 @@ def _bar(console: Console, clock: Clock) -> Iterator[Callable[[str, float], None
 
     def tell(what: str, share: float) -> None:
         doing[0] = printable(what)
-        clock.tell(share, time.monotonic())
+        clock.tell(share, time.monotonic(), time.process_time())
 
     def drawn() -> Text:
-        standing = clock.standing(time.monotonic())
+        standing = clock.standing(time.monotonic(), time.process_time())
         full = round(_BAR * standing.share)
         done, rest = ("━", "╌") if console.encoding.startswith("utf") else ("#", "-")
         left = "" if math.isnan(standing.left) else f", {_minutes(standing.left)} left"
@@ -107,11 +107,11 @@ def _stages(console: Console, clock: Clock) -> Iterator[Callable[[str, float], N
 
     def tell(what: str, share: float) -> None:
         now = time.monotonic()
-        clock.tell(share, now)
+        clock.tell(share, now, time.process_time())
         stage = printable(_COUNTED.sub("", what))
         if stage and stage != last[0]:
             last[0] = stage
-            done = 100 * clock.standing(now).share
+            done = 100 * clock.standing(now, time.process_time()).share
             print_text(console, f"{done:3.0f} %  {_minutes(now - begun)}  {stage}")
 
     yield tell

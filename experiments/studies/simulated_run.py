@@ -91,6 +91,23 @@ def _run(robot: Robot, law: CommandLaw, samples: int) -> Leg:
     return run_leg(robot, single(robot, commands.commanded[0]).start, commands)
 
 
+def sentence(run: Leg) -> str:
+    """What came of a run, in words.
+
+    Args:
+        run: The run.
+
+    Returns:
+        Sentences.
+    """
+    error, swing = run.measures.largest_error, run.measures.residual_vibration
+    return (
+        f"Largest error, Eq. (26): {1e3 * error:.1f} mm. Vibration after the arrival: "
+        f"{1e3 * swing:.2f} mm peak to peak. Largest command: "
+        f"{run.measures.largest_voltage:.2f} V."
+    )
+
+
 def table(run: Leg) -> str:
     """A run as CSV, units in the header; the last row repeats the last command.
 

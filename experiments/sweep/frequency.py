@@ -42,6 +42,7 @@ FREQUENCY = Measure(
     compute=lambda axes: _frequencies,
     chunk=4096,
     unit=65_536,
+    most=65_536,
 )
 """Natural frequencies of an aligned pose, under every condition of the carriages.
 

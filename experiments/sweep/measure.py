@@ -46,12 +46,29 @@ class Measure(NamedTuple):
     """Points that a device computes at a time."""
     unit: int
     """Points that are computed, kept and lost together: some tenths of a second's work."""
+    most: int
+    """The same of a sweep of millions, at the most: a unit's way costs some milliseconds."""
+
+    def of_size(self, count: int) -> "Measure":
+        """The measure with units that suit a sweep's size.
+
+        Args:
+            count: The sweep's points.
+
+        Returns:
+            It, with longer units where there are more than some hundreds.
+        """
+        times = min(max(count // (_UNITS * self.unit), 1), max(self.most // self.unit, 1))
+        return self._replace(unit=times * self.unit)
 
     @property
     def known(self) -> tuple[Variable, ...]:
         """Everything that it can be swept over."""
         return (*self.variables, *ROBOT_VARIABLES)
 
+
+_UNITS = 256
+"""Units that a sweep is divided into before they become longer."""
 
 ROBOT_VARIABLES: tuple[Variable, ...] = tuple(
     Variable(

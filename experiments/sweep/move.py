@@ -87,5 +87,6 @@ CLOSED_LOOP = Measure(
     compute=_longest,
     chunk=64,
     unit=512,
+    most=4096,
 )
 """A move under the sampled PD, exact Coulomb friction on both carriages."""

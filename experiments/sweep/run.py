@@ -19,6 +19,7 @@ from experiments.sweep.unit import Sweep, named_inputs
 from identification.campaign.quantities import format_quantity
 from scdpr_jax.numerics.files import settle
 from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from scdpr_jax.robot.parameters import Robot
 
 _SOURCES = ("scdpr-jax", "jax", "jaxlib")
@@ -34,6 +35,7 @@ def sweep(
     robot: Robot,
     out: pathlib.Path,
     *,
+    provenance: Provenance = UNKNOWN,
     executor: Executor = ThisProcess(),  # noqa: B008 - it holds nothing
     distrusted: Callable[[Distrusted], None] = lambda each: None,
     progress: Progress = SILENT,
@@ -49,6 +51,8 @@ def sweep(
         axes: The axes, the last one the fastest.
         robot: The robot; its leaves' dtype is the sweep's.
         out: The netCDF file.
+        provenance: Where the robot comes from; of it the file tells all but the day, so that a
+            sweep that goes on tomorrow ends with the same bytes.
         executor: Who computes the units.
         distrusted: Told what isn't used of what an earlier call has left.
         progress: Told what is being done and which share of it all is done.
@@ -66,7 +70,8 @@ def sweep(
     folder = out.with_name(f".{out.name}.unfinished")
     if not folder.exists():
         _require_none(out)
-    swept = Sweep(measure, Grid(axes), robot)
+    grid = Grid(axes)
+    swept = Sweep(measure.of_size(grid.count), grid, robot)
     job = Job("sweep", swept.parcel(), swept.units, executor.installation)
     with claimed(folder, job, named_inputs(swept)) as (store, left):
         # Who was at it before may have been stopped after all was done.
@@ -78,7 +83,8 @@ def sweep(
                 distrusted(each)
             _fill(swept, job, store, executor, distrusted, progress.part(0.0, 0.98))
             progress("writing", 0.98)
-            write_dataset(out, swept, Records(swept, job, store), _attributes(swept))
+            attributes = _attributes(swept, provenance)
+            write_dataset(out, swept, Records(swept, job, store), attributes)
             settle(out.parent)
         store.remove()
     return xr.open_dataset(out, engine="h5netcdf")
@@ -119,12 +125,14 @@ def _fill(
         )
 
 
-def _attributes(swept: Sweep) -> dict[str, str]:
+def _attributes(swept: Sweep, provenance: Provenance) -> dict[str, str]:
     """What a dataset says of itself, and of what wasn't swept."""
     units = {variable.name: variable.unit for variable in swept.measure.known}
     versions = installation()
     return {
         "title": f"scdpr sweep {swept.measure.name}",
         "source": ", ".join(f"{name} {versions[name]}" for name in _SOURCES),
+        **({"campaign": provenance.campaign} if provenance.campaign else {}),
+        **({"logs": provenance.source} if provenance.source else {}),
         **{name: format_quantity(v, units[name]) for name, v in swept.values.items()},
     }

@@ -73,5 +73,6 @@ WORKSPACE = Measure(
     compute=lambda axes: _workspaces,
     chunk=4096,
     unit=65_536,
+    most=65_536,
 )
 """Static workspaces of the single loop and of the conventional robot of four cables."""

@@ -16,6 +16,7 @@ from identification.knocks.ring_down import RingDown, ring_down
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.numerics.files.given import read_given_rows
 from scdpr_jax.numerics.files.harmless import cell, represented, text_of_cell
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.state import X, pose
 
@@ -193,19 +194,24 @@ def _by_camera(run: Run, *, noise_sigma: float) -> tuple[tuple[float, float], Ri
     return place, decay
 
 
-def write_frequencies(frequencies: FrequencyMap, path: pathlib.Path) -> None:
+def write_frequencies(
+    frequencies: FrequencyMap, path: pathlib.Path, *, provenance: Provenance = UNKNOWN
+) -> None:
     """Write a map as `frequencies.csv`, whole or not at all.
 
     Args:
         frequencies: The map; what has no column (`fft_frequency`,
             `residuals_are_noise`, `unresolved` and `ring_downs`) isn't written.
         path: The file, replaced if it exists.
+        provenance: Where it comes from, in columns of its own behind the others.
     """
     numbers = [getattr(frequencies, name).tolist() for name in _LABELS if name != "run"]
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(_LABELS.values())
-    writer.writerows(zip(*numbers, map(cell, frequencies.runs), strict=True))
+    told = {} if provenance == UNKNOWN else provenance.model_dump()
+    writer.writerow((*_LABELS.values(), *told))
+    for row in zip(*numbers, map(cell, frequencies.runs), strict=True):
+        writer.writerow((*row, *map(cell, told.values())))
     write_whole(path, table.getvalue())
 
 

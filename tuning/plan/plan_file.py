@@ -8,7 +8,8 @@ import numpy as np
 
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.numerics.files.given import read_given_rows
-from scdpr_jax.numerics.files.harmless import represented
+from scdpr_jax.numerics.files.harmless import cell, represented
+from scdpr_jax.provenance import UNKNOWN, Provenance
 from tuning.plan.plan import Plan
 
 COLUMNS = (
@@ -24,14 +25,20 @@ COLUMNS = (
 
 CAUTION_COLUMN = "model_does_not_fit [1]"
 """Last column, of ones, of a plan for a robot whose fit has failed."""
+_MADE = "Made by scdpr-jax"
+"""What the header's last cell begins with where it tells where the plan comes from."""
 
 
-def plan_table(plan: Plan, *, marked: bool = False) -> str:
+def plan_table(plan: Plan, *, marked: bool = False, provenance: Provenance = UNKNOWN) -> str:
     """A plan as the text of `plan.csv`.
+
+    Where it comes from is a cell of the header alone, with no column below it: whoever reads
+    the numbers gets the same ones, and as many in a row.
 
     Args:
         plan: The plan.
         marked: Whether it is for a robot whose fit has failed.
+        provenance: Where it comes from.
 
     Returns:
         CSV, units in the header.
@@ -39,22 +46,26 @@ def plan_table(plan: Plan, *, marked: bool = False) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     mark = ("1",) if marked else ()
-    writer.writerow((*COLUMNS, CAUTION_COLUMN) if marked else COLUMNS)
+    told = () if provenance == UNKNOWN else (cell(str(provenance)),)
+    writer.writerow((*COLUMNS, *((CAUTION_COLUMN,) if marked else ()), *told))
     rows = np.column_stack([plan.position, plan.angle, plan.feedforward])
     for time, row in zip(plan.time, rows, strict=True):
         writer.writerow([f"{time:.6f}", *(f"{number:.9f}" for number in row), *mark])
     return text.getvalue()
 
 
-def write_plan(path: pathlib.Path, plan: Plan, *, marked: bool = False) -> None:
+def write_plan(
+    path: pathlib.Path, plan: Plan, *, marked: bool = False, provenance: Provenance = UNKNOWN
+) -> None:
     """Write a plan as `plan.csv`, whole or not at all.
 
     Args:
         path: The file, replaced if it exists.
         plan: The plan.
         marked: Whether it is for a robot whose fit has failed.
+        provenance: Where it comes from.
     """
-    write_whole(path, plan_table(plan, marked=marked))
+    write_whole(path, plan_table(plan, marked=marked, provenance=provenance))
 
 
 def read_plan(path: pathlib.Path) -> Plan:
@@ -78,6 +89,8 @@ def read_plan(path: pathlib.Path) -> Plan:
             "`scdpr plan` first."
         ) from None
     header = tuple(lines[0][1]) if lines else ()
+    if header and header[-1].startswith(_MADE):
+        header = header[:-1]
     if header not in (COLUMNS, (*COLUMNS, CAUTION_COLUMN)):
         raise ValueError(
             f"{path}, row 1: the header is wrong, got {represented(','.join(header))}, "

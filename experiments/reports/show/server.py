@@ -16,6 +16,7 @@ from experiments.reports.show import pages
 from experiments.reports.show.asked_leg import asked_leg
 from experiments.reports.show.planned import Planning
 from experiments.reports.show.results import REPORT, Results
+from scdpr_jax.provenance import made_today
 from tuning.plan.plan_file import plan_table
 
 ADDRESS = "127.0.0.1"
@@ -109,7 +110,8 @@ class Show:
         """A leg's references and feed-forward."""
         tuning = self._results.tuning
         made = self.planning.plan(asked_leg(query, tuning))
-        text = plan_table(made.plan, marked=bool(tuning.caution))
+        of = made_today(tuning.provenance.campaign, tuning.provenance.source)
+        text = plan_table(made.plan, marked=bool(tuning.caution), provenance=of)
         return Answer(text.encode(), "text/csv; charset=utf-8", name="plan.csv")
 
     def _file(self, name: str) -> Answer:

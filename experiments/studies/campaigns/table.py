@@ -25,6 +25,8 @@ MEANINGS = {
     "high": "upper end of the 95 % interval; nan: not bounded",
     "status": "identified, weak, unidentifiable, at_bound, fixed or model_does_not_fit",
     "reason": "why there is no value, or why it isn't to be used",
+    "logs": "SHA-256 of the logs, its first digits",
+    "version": "version of scdpr-jax",
 }
 """The columns, and what they say."""
 
@@ -44,6 +46,8 @@ class Row(NamedTuple):
     high: float = math.nan
     status: str = ""
     reason: str = ""
+    logs: str = ""
+    version: str = ""
 
 
 def rows(name: str, answer: Answer) -> Iterator[Row]:
@@ -76,6 +80,8 @@ def rows(name: str, answer: Answer) -> Iterator[Row]:
             high,
             own["status"],
             reason,
+            answer.provenance.source,
+            answer.provenance.version,
         )
 
 

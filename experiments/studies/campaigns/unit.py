@@ -14,7 +14,7 @@ from identification.campaign.abbreviation import run_names
 from identification.doctor.accepted import admission
 from identification.result.parameters_file import parameters_text
 from scdpr_jax.numerics.files.scratch import scratch_folder
-from scdpr_jax.provenance import made_today
+from scdpr_jax.provenance import UNKNOWN, Provenance, of_no_day
 
 
 class Answer(NamedTuple):
@@ -24,6 +24,13 @@ class Answer(NamedTuple):
     """Its parameters.json; empty for none."""
     reason: str
     """Why there is none, or why it isn't to be used; empty if all is well."""
+
+    @property
+    def provenance(self) -> Provenance:
+        """Where its parameters.json comes from."""
+        return (
+            Provenance(**json.loads(self.document)["provenance"]) if self.document else UNKNOWN
+        )
 
     @property
     def parameters(self) -> Sequence[dict[str, Any]]:
@@ -78,8 +85,7 @@ def _answer(folder: pathlib.Path, question: Question, facts: dict[str, Any]) -> 
         return Answer("", f"{told} Put it right, or accept it: `--accept {ids}`.")
     held_out = run_names(read, question.hold_out)
     found = identified(admitted, dataclasses.replace(question, hold_out=held_out))
-    # Of no day: a call that goes on tomorrow ends with the same bytes.
-    made = made_today(admitted.name, admitted.source).model_copy(update={"date": ""})
+    made = of_no_day(admitted.name, admitted.source)
     document = parameters_text(*found, admitted.accepted, made)
     reason = "" if found.estimate.fits else "the model does not fit the runs: see `scdpr check`"
     return Answer(document, reason)

@@ -15,6 +15,7 @@ from experiments.studies.legs.unit import LEGS, parcel, planned_of
 from scdpr_jax.command.controller import PD
 from scdpr_jax.numerics.files import settle, write_whole
 from scdpr_jax.numerics.progress import SILENT, Progress
+from scdpr_jax.provenance import UNKNOWN, Provenance, of_no_day
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.legs_file import expectations_table
 from tuning.plan.planning import Wanted
@@ -42,6 +43,7 @@ def write_legs(
     *,
     executor: Executor,
     marked: bool = False,
+    provenance: Provenance = UNKNOWN,
     unit: int = LEGS,
     distrusted: Callable[[Distrusted], None] = lambda each: None,
     progress: Progress = SILENT,
@@ -55,6 +57,7 @@ def write_legs(
         out: The folder.
         executor: Who computes.
         marked: Whether it is for a robot whose fit has failed.
+        provenance: Where the tuning comes from.
         unit: Legs that are planned, kept and lost together.
         distrusted: Told what isn't used of what an earlier call has left.
         progress: Told what is being done and which share of it is done.
@@ -67,7 +70,10 @@ def write_legs(
         FloatingPointError: If some legs can't be planned; the others are kept.
         OSError: If the place can't be written to.
     """
-    context = parcel(robot, controller, legs, unit=unit, marked=marked)
+    made = provenance
+    if made != UNKNOWN:
+        made = of_no_day(provenance.campaign, provenance.source)
+    context = parcel(robot, controller, legs, unit=unit, marked=marked, provenance=made)
     count = -(-len(legs) // unit)
     job = Job("legs", context, count, executor.installation)
     leaves = [np.asarray(leaf).tolist() for leaf in jax.tree.leaves((robot, controller))]

@@ -8,6 +8,7 @@ import numpy as np
 from experiments.runtime.parcel import Parcel, packed, unpacked
 from experiments.runtime.robot_parcel import robot_arrays, robot_of
 from scdpr_jax.command.controller import PD
+from scdpr_jax.provenance import Provenance
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.legs_file import expectation
 from tuning.plan.plan_file import plan_table
@@ -31,7 +32,13 @@ class PlannedLegs(NamedTuple):
 
 
 def parcel(
-    robot: Robot, controller: PD, legs: Sequence[Wanted], *, unit: int, marked: bool
+    robot: Robot,
+    controller: PD,
+    legs: Sequence[Wanted],
+    *,
+    unit: int,
+    marked: bool,
+    provenance: Provenance,
 ) -> Parcel:
     """A list of legs as plain data.
 
@@ -41,6 +48,7 @@ def parcel(
         legs: What is asked for.
         unit: Legs of a unit.
         marked: Whether it is for a robot whose fit has failed.
+        provenance: Where the plans come from.
 
     Returns:
         The parcel.
@@ -51,7 +59,12 @@ def parcel(
         for leg in legs
     ]
     return Parcel(
-        {"marked": marked, "unit": unit, "period": float(controller.period)},
+        {
+            "marked": marked,
+            "unit": unit,
+            "period": float(controller.period),
+            "provenance": provenance.model_dump(),
+        },
         {
             **robot_arrays(robot),
             "gains": np.array([float(gain) for gain in gains]),
@@ -84,12 +97,13 @@ def begin(given: Parcel) -> Callable[[int, bytes], bytes]:
     robot, table = robot_of(given.arrays), given.arrays["legs"]
     controller = PD(*map(float, given.arrays["gains"]), period=given.facts["period"])
     marked, unit = given.facts["marked"], given.facts["unit"]
+    provenance = Provenance(**given.facts["provenance"])
 
     def computed(number: int, payload: bytes) -> bytes:
         rows = table[number * unit : (number + 1) * unit].tolist()
         made = plan_legs(robot, controller, list(map(_wanted, rows)))
         found = PlannedLegs(
-            [plan_table(own.plan, marked=marked) for own in made],
+            [plan_table(own.plan, marked=marked, provenance=provenance) for own in made],
             [expectation(own) for own in made],
             sum(own.leg.time > own.asked_time for own in made),
             sum(own.is_plain for own in made),

@@ -39,11 +39,13 @@ def frequencies(
     from experiments.studies.findings.plausibility import ringing_doubts
     from identification.fit.unknowns.options import FitOptions
     from identification.knocks.frequency_map import frequency_map, write_frequencies
+    from scdpr_jax.provenance import made_today
 
     with shown_progress(ERRORS, "frequencies") as progress:
         progress("ring-downs", 0.0)
         knocks = frequency_map(read)
-    write_frequencies(knocks, out / "frequencies.csv")
+    made = made_today(read.name, read.source)
+    write_frequencies(knocks, out / "frequencies.csv", provenance=made)
     summary.show_frequencies(OUT, knocks)
     for note in (*read.accepted, *ringing_doubts(knocks, FitOptions().prior(read))):
         say(f"note: {note}")

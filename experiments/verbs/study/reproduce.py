@@ -40,14 +40,9 @@ def reproduce(
             parts = report.reproduce(sections, computing)
         progress("report", 0.98)
         written = report.write(parts, out)
-    for verdict, count in report.counts(parts).items():
-        say(f"{count:4d} {verdict.value}")
-    fallen = [each for part in parts for each in part.judged if not each.stands]
-    for one in fallen:
-        say(
-            f"not borne out: {one.claim.name}: computed {one.number} {one.unit}, said to be "
-            f"{one.claim.verdict.value}"
-        )
+    for line in report.told(parts):
+        say(line)
+    fallen = any(not each.stands for part in parts for each in part.judged)
     wrote(*written)
     suggest(open_call(out / "report.html"))
     return FELL_SHORT if fallen else DONE

@@ -46,12 +46,7 @@ def simulate(
     write_whole(out / "simulation.csv", simulated_run.table(run))
     sound = fitted.fits and (tuned is None or not tuned.caution)
     status = ending(parameters if tuning is None or not fitted.fits else tuning, fits=sound)
-    error, swing = run.measures.largest_error, run.measures.residual_vibration
-    say(
-        f"Largest error, Eq. (26): {1e3 * error:.1f} mm. Vibration after the arrival: "
-        f"{1e3 * swing:.2f} mm peak to peak. Largest command: "
-        f"{run.measures.largest_voltage:.2f} V."
-    )
+    say(simulated_run.sentence(run))
     wrote(out / "simulation.csv")
     suggest(
         f"scdpr tune --parameters {pasted(parameters)} --frequencies "

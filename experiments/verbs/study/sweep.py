@@ -20,6 +20,7 @@ from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
 
 if TYPE_CHECKING:
+    from scdpr_jax.provenance import Provenance
     from scdpr_jax.robot.parameters import Robot
 
 
@@ -72,7 +73,7 @@ def sweep(
     check_name(out)
     wanted = next(m for m in MEASURES if m.name == measure)
     axes = parse_axes(over, wanted.known)
-    robot, fits = _robot(parameters, setting)
+    robot, fits, provenance = _robot(parameters, setting)
     check_places(axes, robot)
     if warning := check_room(wanted, axes, out):
         complain(f"warning: {warning}")
@@ -85,6 +86,7 @@ def sweep(
             axes,
             robot,
             out,
+            provenance=provenance,
             executor=executor,
             distrusted=tell_distrusted,
             progress=progress,
@@ -103,17 +105,21 @@ def sweep(
     return status
 
 
-def _robot(parameters: pathlib.Path | None, setting: str | None) -> "tuple[Robot, bool]":
-    """The robot of the sweep, and whether the fit that it comes from hasn't failed."""
+def _robot(
+    parameters: pathlib.Path | None, setting: str | None
+) -> "tuple[Robot, bool, Provenance]":
+    """The robot of the sweep, whether its fit hasn't failed, and where it comes from."""
     from identification.result.parameters_file import read_parameters
+    from scdpr_jax.provenance import UNKNOWN
     from scdpr_jax.robot.prototype import consistent
 
     if parameters is not None:
         fitted = read_parameters(parameters)
-        return fitted.of_setting(setting) if setting else fitted.robot, fitted.fits
+        robot = fitted.of_setting(setting) if setting else fitted.robot
+        return robot, fitted.fits, fitted.provenance
     if setting is not None:
         raise ValueError(
             f"`--setting` belongs to `--parameters`, got {setting!r} alone. The prototype's "
             'pretension is an axis: --over "effective_pretension=85 N".'
         )
-    return consistent(), True
+    return consistent(), True, UNKNOWN

@@ -128,6 +128,7 @@ def _one(
     from experiments.reports import plan_report
     from experiments.studies.legs.planned_leg import compare
     from scdpr_jax.numerics.files import write_whole
+    from scdpr_jax.provenance import made_today
     from tuning.plan.plan_file import write_plan
     from tuning.plan.planning import plan_leg
 
@@ -145,7 +146,8 @@ def _one(
         progress("the leg beside the PD of Eq. (25) alone", 0.6)
         compared = compare(robot, tuned.controller, planned)
     limit = float(robot.drive.voltage_limit)
-    write_plan(out, planned.plan, marked=bool(tuned.caution))
+    made = made_today(tuned.provenance.campaign, tuned.provenance.source)
+    write_plan(out, planned.plan, marked=bool(tuned.caution), provenance=made)
     write_whole(
         beside,
         plan_report.plan_page(
@@ -185,6 +187,7 @@ def _many(
             out,
             executor=executor,
             marked=bool(tuned.caution),
+            provenance=tuned.provenance,
             distrusted=tell_distrusted,
             progress=progress,
         )

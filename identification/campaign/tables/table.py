@@ -138,7 +138,7 @@ def _convert(header: Header, rows: Rows, *, may_be_empty: bool) -> Table | None:
     if len(values["t"]) < 2 or not np.all(np.diff(values["t"]) > 0):
         return None
     extra = {
-        header.cells[place]: _texts(header, rows, place)
+        header.cells[place]: _texts(header, rows, place, len(values["t"]))
         if parts[place] is None
         else _joined(parts, place)
         for place in header.extra
@@ -171,11 +171,14 @@ def _joined(parts: dict[int, list | None], place: int) -> Float64[np.ndarray, " 
     return np.concatenate([np.empty(0), *numbers])
 
 
-def _texts(header: Header, rows: Rows, place: int) -> Shaped[np.ndarray, " rows"]:
+def _texts(header: Header, rows: Rows, place: int, count: int) -> Shaped[np.ndarray, " rows"]:
     """A column that isn't one of numbers, as it is written."""
-    kind = np.dtypes.StringDType()  # The longest cell's room for each would be too much.
-    texts = [np.array(columns[place], kind) for columns in _blocks(header, rows)]
-    return np.concatenate(texts)
+    # The longest cell's room for each would be too much.
+    texts, done = np.empty(count, np.dtypes.StringDType()), 0
+    for columns in _blocks(header, rows):
+        texts[done : done + len(columns[place])] = columns[place]
+        done += len(columns[place])
+    return texts
 
 
 def _numbers(

@@ -74,3 +74,35 @@ def test_a_spoilt_file_of_paces_is_as_none(tmp_path):
         assert expected("sweep", file) == EVEN
     keep("sweep", KNOWN, file)
     assert expected("sweep", file) == KNOWN
+
+
+WORKED = Pace(10.0, ((0.2, 0.5), (0.6, 0.7)), (5.0, 7.0, 10.0))
+
+
+def test_where_others_take_the_processor_a_part_goes_by_what_it_has_worked():
+    # As much work as the last time, in three times the time.
+    clock = Clock(WORKED, 0.0, 100.0)
+    told = {15: 0.2, 21: 0.6}
+    for now in range(1, 30):
+        used = 100.0 + now / 3
+        if now in told:
+            clock.tell(told[now], float(now), used)
+        standing = clock.standing(float(now), used)
+        if now >= 15:
+            assert (30 - now) / 1.5 <= standing.left <= 1.5 * (30 - now)
+        if now <= 24:  # then it slows down, as it might take longer
+            assert math.isclose(standing.share, now / 30, abs_tol=0.02)
+
+
+def test_what_others_have_worked_goes_by_the_clock():
+    waits = Pace(10.0, ((0.5, 0.5),), (0.1, 0.2))
+    clock = Clock(waits, 0.0)
+    assert math.isclose(clock.standing(2.0, 0.01).share, 0.2)
+
+
+def test_processor_time_is_kept(tmp_path):
+    file = tmp_path / "paces.json"
+    clock = Clock(EVEN, 0.0, 2.0)
+    clock.tell(0.5, 4.0, 5.0)
+    keep("sweep", clock.pace(8.0, 9.0), file)
+    assert expected("sweep", file) == Pace(8.0, ((0.5, 0.5),), (3.0, 7.0))

@@ -112,6 +112,8 @@ def test_a_folders_campaigns_are_a_row_for_each_quantity_and_the_reason_of_a_fai
         assert float(row["value"]) == pytest.approx(truth, rel=0.02)
         assert float(row["low"]) < float(row["value"]) < float(row["high"])
         assert (row["unit"], row["status"], row["reason"]) == ("kg m^2", "identified", "")
+        written = json.loads((out / f"rig-{seed}" / "parameters.json").read_text())
+        assert row["logs"] == written["provenance"]["source"]
 
 
 def test_both_tables_say_the_same(batch):

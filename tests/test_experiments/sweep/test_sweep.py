@@ -28,6 +28,7 @@ from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.engines.closed_loop import closed_loop
 from scdpr_jax.linear.modes import CONDITIONS, natural_frequencies
 from scdpr_jax.numerics.progress import Progress
+from scdpr_jax.provenance import Provenance
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
 from scdpr_jax.robot.state import rest
@@ -298,8 +299,11 @@ def test_a_file_that_exists_is_not_written_over(tmp_path):
     assert (tmp_path / "out.nc").read_text() == "mine"
 
 
-def test_a_dataset_says_what_was_not_swept(tmp_path):
-    with swept(tmp_path, WORKSPACE, "x=0.5, 1 m") as found:
+def test_a_dataset_says_what_was_not_swept_and_where_it_comes_from(tmp_path):
+    made = Provenance(campaign="rig A", source="0123abcd", date="2026-11-30", version="1")
+    with swept(tmp_path, WORKSPACE, "x=0.5, 1 m", provenance=made) as found:
+        assert (found.attrs["campaign"], found.attrs["logs"]) == ("rig A", "0123abcd")
+        assert "2026" not in str(found.attrs)
         assert found.attrs["minimum_tension"] == "10 N"
         assert found.attrs["effective_pretension"] == "85 N"
         assert "x" not in found.attrs

@@ -1,13 +1,11 @@
 """Forty mistakes of a new user: each is one message with what, where, expected and remedy.
 
-By the numbers of `shared/data/mistakes.md`. Elsewhere: 5 (Ctrl-C), 8 and 10 (logs of any make
-and `run.toml`, `test_faults`), 12 (`test_identification/doctor`), 23 (`test_identify_drive`),
-30 and 31 (`test_identification/bring`), 36 and 37 (`test_terminal`); 32 is the sweep's store's;
-38 and 39 are of a page and of the README.
+By the numbers of `shared/data/mistakes.md`. Elsewhere: 8 and 10 (logs of any make and
+`run.toml`, `test_faults`), 12 (`test_identification/doctor`), 23 (`test_identify_drive`), 30
+and 31 (`test_identification/bring`), 36 and 37 (`test_terminal`); the rest is in
+`test_mistakes_elsewhere`.
 """
 
-import dataclasses
-import errno
 import json
 import os
 import pathlib
@@ -15,18 +13,17 @@ import re
 import shutil
 
 import good_campaign
-import jax.numpy as jnp
 import numpy as np
 import pytest
+from mistakes import spoil, told
 from tunings import plain
 
 import scdpr_jax
 from experiments.cli import main
 from experiments.verbs.study import sweep
 from identification.campaign.abbreviation import full_names
-from scdpr_jax.numerics import files
 from scdpr_jax.robot.quantities import QUANTITIES
-from tuning.result.document import read_tuning, write_tuning
+from tuning.result.document import write_tuning
 from tuning.shapers.spectrum_file import read_spectrum
 
 RIG = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "campaigns" / "rig-a"
@@ -57,18 +54,6 @@ def made(tmp_path):
     write_tuning(tuning, plain())
     parameters.write_text(json.dumps({"format": 1, "parameters": list(map(row, QUANTITIES))}))
     return tuning, parameters
-
-
-def told(capsys, *call, status=2):
-    """The one message of a call that fails."""
-    assert main([*map(str, call)]) == status
-    return " ".join(capsys.readouterr().err.split())
-
-
-def spoil(file, old, new):
-    text = file.read_text()
-    assert old in text
-    file.write_text(text.replace(old, new))
 
 
 def test_01_the_campaign_that_is_meant_is_named(rig, tmp_path, capsys):
@@ -294,64 +279,6 @@ def test_26_both_verbs_take_the_same_symbols():
         assert full == names
 
 
-@needs_rig
-@pytest.mark.slow
-def test_27_a_label_that_no_other_run_bears_out_is_told(tmp_path, capsys):
-    shutil.copytree(RIG, tmp_path / "rig")
-    for run in ("0003-torque-step", "0004-torque-step"):
-        path = tmp_path / "rig" / run / "run.toml"
-        path.chmod(0o644)
-        spoil(path, '"350 N"', '"200 N"')
-    main(["identify", str(tmp_path / "rig"), "--out", str(tmp_path / "out")])
-    out = " ".join(capsys.readouterr().out.split())
-    assert "The logs can't tell effective pretension at 200 N by itself." in out
-
-
-def start(x=0.3):
-    return scdpr_jax.rest(ROBOT, jnp.array(x), jnp.array(x), jnp.array(0.55))
-
-
-def inputs(voltage, duration=None):
-    steps = np.full(4, 5e-3) if duration is None else duration
-    return scdpr_jax.Inputs(duration=steps, voltage=voltage, knock=np.zeros(4))
-
-
-@pytest.mark.parametrize(
-    ("voltage", "message"),
-    [
-        (np.ones((4, 3)), r"`voltage` \[V\] must have the shape \(4, 2\), got \(4, 3\)"),
-        (np.ones((4, 1)), r"must have the shape \(4, 2\), got \(4, 1\)"),
-        (np.ones((3, 2)), r"must have the shape \(3,\), got \(4,\)"),
-    ],
-)
-def test_28_voltages_of_another_shape_are_refused(voltage, message):
-    with pytest.raises(ValueError, match=message):
-        scdpr_jax.simulate(ROBOT, start(), inputs(voltage))
-
-
-def test_29_what_no_rig_has_is_refused():
-    with pytest.raises(ValueError, match=r"`lower` must be in the frame \[m\], got 300 m"):
-        start(300.0)
-    with pytest.raises(ValueError, match="`duration` must not be negative"):
-        inputs(np.ones((4, 2)), -np.ones(4))
-    with pytest.raises(ValueError, match="got 100 V, expected at most its `voltage_limit`"):
-        scdpr_jax.simulate(ROBOT, start(), inputs(100 * np.ones((4, 2))))
-    slippery = scdpr_jax.replace(ROBOT, {"friction_coefficient": -0.1})
-    with pytest.raises(ValueError, match=r"friction.coefficient` must not be negative"):
-        scdpr_jax.simulate(slippery, start(), inputs(np.ones((4, 2))))
-
-
-def test_33_a_full_disk_is_told_with_the_file(tmp_path, monkeypatch):
-    def full(*text, **options):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(pathlib.Path, "write_bytes", full)
-    with pytest.raises(OSError, match="No space left") as caught:
-        files.write_whole(tmp_path / "parameters.json", "{}")
-    assert caught.value.filename == str(tmp_path / "parameters.json")
-    assert not list(tmp_path.iterdir())
-
-
 def test_34_a_pipe_and_a_device_are_no_files(rig, made, tmp_path, capsys):
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
@@ -378,28 +305,3 @@ def test_34_a_link_out_of_the_campaign_is_refused(rig, tmp_path, capsys):
     drive.unlink()
     drive.symlink_to(tmp_path / "log.csv")
     assert "0001-step/drive.csv" in told(capsys, "check", rig)
-
-
-def test_35_a_reading_of_a_setting_is_that_setting(made):
-    tuning = read_tuning(made[0])
-    region = dataclasses.replace(tuning.shapers[0].region, pretension=(350.0, 350.0))
-    own = dataclasses.replace(tuning.shapers[0], region=region)
-    tuning = dataclasses.replace(tuning, shapers=(own,))
-    x, y, setting = sum(region.x) / 2, sum(region.y) / 2, 350.0
-    for reading in (setting - 1e-4, setting + 1e-4, 0.995 * setting):
-        assert tuning.shaper_at(x, y, reading) is tuning.shaper_at(x, y, setting)
-        assert tuning.robot_at(reading) is tuning.robot_at(setting)
-    with pytest.raises(ValueError, match="no shaper"):
-        tuning.shaper_at(x, y, 0.9 * setting)
-
-
-@needs_rig
-@pytest.mark.slow
-def test_40_a_knock_without_its_time_is_noted(tmp_path, capsys):
-    shutil.copytree(RIG, tmp_path / "rig")
-    path = tmp_path / "rig" / "0007-pseudo-impulse" / "run.toml"
-    path.chmod(0o644)
-    text = path.read_text()
-    path.write_text(text[: text.index("[knock]")] + text[text.index("[camera]") :])
-    main(["check", str(tmp_path / "rig")])
-    assert "knock.missing, 0007-pseudo-impulse" in capsys.readouterr().out

@@ -28,6 +28,7 @@ from report_samples import (
     tuning,
 )
 from rich.console import Console
+from terminal import PIPED, WIDTHS, check_fits, tokens
 
 from experiments.benchmarks.line import Line
 from experiments.benchmarks.report import HEADER, cells
@@ -50,8 +51,6 @@ from tuning.shapers.spectrum import Spectrum
 from tuning.shapers.spectrum_design import Compared, SpectrumDesign
 from tuning.shapers.spectrum_file import SpectrumFile
 
-WIDTHS = (60, 80, 120)
-PIPED = 100_000
 EVERY_VERB = tuple(verb for wing in VERBS.values() for verb in wing)
 
 
@@ -141,22 +140,6 @@ def rendered(show, width):
     file = io.StringIO()
     show(Console(file=file, width=width, highlight=False))
     return file.getvalue()
-
-
-def tokens(text):
-    return {word for word in text.split() if word != "-"}
-
-
-def check_fits(narrow, wide, width):
-    """Nothing is wider than the terminal, no word is broken, and what goes is named."""
-    for line in narrow.splitlines():
-        assert len(line) <= width or len(line.split()) == 1, line
-    assert "…" not in tokens(narrow) - tokens(wide)
-    note = [line for line in narrow.splitlines() if line.startswith("(no room here for")]
-    broken = tokens(narrow) - tokens(wide)
-    assert not broken or note
-    if not note:
-        assert tokens(wide) == tokens(narrow)
 
 
 @pytest.mark.parametrize("width", WIDTHS)

@@ -16,6 +16,7 @@ from identification.knocks.frequency_map import (
     read_frequencies,
     write_frequencies,
 )
+from scdpr_jax.provenance import Provenance
 from scdpr_jax.robot.cable import potential
 from scdpr_jax.robot.prototype import consistent
 from scdpr_jax.robot.quantities import replace
@@ -116,6 +117,16 @@ def test_a_map_is_read_as_it_was_written(tmp_path):
         np.testing.assert_array_equal(getattr(back, name), getattr(a_map(), name))
     assert back.runs == a_map().runs
     assert np.all(np.isnan(back.fft_frequency))
+
+
+def test_a_row_says_where_it_comes_from(tmp_path):
+    path = tmp_path / "frequencies.csv"
+    made = Provenance(campaign="=rig", source="0123abcd", date="2026-11-30", version="1")
+    write_frequencies(a_map(), path, provenance=made)
+    header, *rows = path.read_text().splitlines()
+    assert header == f"{HEADER},campaign,source,date,version"
+    assert all(row.endswith(",'=rig,0123abcd,2026-11-30,1") for row in rows)
+    np.testing.assert_array_equal(read_frequencies(path).frequency, a_map().frequency)
 
 
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):

@@ -1,6 +1,9 @@
+import csv
+
 import numpy as np
 import pytest
 
+from scdpr_jax.provenance import Provenance
 from tuning.plan.plan import Plan
 from tuning.plan.plan_file import CAUTION_COLUMN, COLUMNS, read_plan, write_plan
 
@@ -58,3 +61,14 @@ def test_a_plan_for_a_robot_that_does_not_fit_is_marked_and_read_alike(tmp_path)
     assert all(row.endswith(",1") for row in rows)
     again = read_plan(tmp_path / "plan.csv")
     np.testing.assert_allclose(again.feedforward, PLAN.feedforward, atol=5e-10)
+
+
+@pytest.mark.parametrize("marked", [False, True])
+def test_the_header_alone_says_where_a_plan_comes_from(tmp_path, marked):
+    path = tmp_path / "plan.csv"
+    made = Provenance(campaign='rig "A", left', source="0123abcd", date="2026-11-30")
+    write_plan(path, PLAN, marked=marked, provenance=made)
+    header, *rows = csv.reader(path.read_text().splitlines())
+    assert header[-1] == str(made)
+    assert {len(row) for row in rows} == {len(COLUMNS) + marked}
+    np.testing.assert_array_equal(read_plan(path).angle, PLAN.angle)

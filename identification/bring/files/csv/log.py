@@ -122,9 +122,12 @@ def _blocks(found: Layout) -> Iterator[list[Row]]:
 
 def _texts(found: Layout, place: int) -> np.ndarray:
     """A column as it is written."""
-    kind = np.dtypes.StringDType()  # The longest cell's room for each would be too much.
-    blocks = _blocks(found)
-    return np.concatenate([np.array([c[place] for _, c in rows], kind) for rows in blocks])
+    # The longest cell's room for each would be too much.
+    texts, done = np.empty(found.count, np.dtypes.StringDType()), 0
+    for rows in _blocks(found):
+        texts[done : done + len(rows)] = [cells[place] for _, cells in rows]
+        done += len(rows)
+    return texts
 
 
 class _Numbers:
