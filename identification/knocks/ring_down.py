@@ -2,7 +2,7 @@
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import scipy.special
@@ -22,6 +22,7 @@ _NYQUIST = 0.9  # of half the sampling rate: beyond it a mode is sampled twice a
 _HEAVY = 0.3  # damping ratio: a sliding carriage's transient, not a vibration to shape for
 _LEVEL = 0.01  # significance at which residuals are called more than noise
 _EVIDENCE = 10.0  # of Schwarz's criterion: "very strong" (Kass and Raftery, 1995)
+_ALIKE = 2.0  # standard errors by which two windows' residuals are no different
 _SAME = 0.2  # of the frequency: further off, another window's strongest mode is another one
 _DOUBTFUL = 0.25  # of the reciprocal length: a frequency less certain isn't resolved
 
@@ -93,6 +94,7 @@ class _Window:
     start: float
     fit: Decay
     chi_square: float
+    neighbours: float
     is_noise: bool
 
 
@@ -112,9 +114,10 @@ def ring_down(
     A knock sets the carriages sliding. While they slide, the decay isn't exponential and
     the frequency differs; once friction holds both, what remains is a linear vibration of
     the end-effector between held carriages. So the window starts as early as it can with
-    residuals that are the camera's noise. Where it can't, it starts where they are nearest
-    to it, and says so. In each window one or two modes, with or without drift, are chosen
-    by Schwarz's criterion; only modes that vibrate (damping ratio below 0.3) are allowed.
+    residuals that are the camera's noise, or no more than those of a later window that are.
+    Where it can't, it starts where they are nearest to it, and says so. In each window one or
+    two modes, with or without drift, are chosen by Schwarz's criterion; only modes that
+    vibrate (damping ratio below 0.3) are allowed.
 
     This runs in NumPy: the number of samples changes from window to window, and there is
     nothing to compile. Of a long fast record means are fitted (`decimation`), so that a knock
@@ -154,8 +157,9 @@ def ring_down(
             break
     if not windows:
         raise ValueError(_silence(time, sensor))
-    chosen = windows[-1]
-    if not chosen.is_noise:
+    if windows[-1].is_noise:
+        chosen = _earliest_alike(windows)
+    else:
         chosen = min(windows, key=lambda window: window.chi_square)
     unit = functools.partial(_in_metres, record, noise_sigma)
     modes = _ranked(chosen, unit)
@@ -238,8 +242,25 @@ def _window(
     if not scored or min(scored)[0] > min(silent) - _EVIDENCE:
         return None
     fit = min(scored)[2]
-    chi_square, is_noise = _judge(fit)
-    return _Window(float(time[0]), fit, chi_square, is_noise)
+    return _Window(float(time[0]), fit, *_judge(fit))
+
+
+def _earliest_alike(windows: Sequence[_Window]) -> _Window:
+    """The first window whose residuals are no more than those of the last, which are noise.
+
+    One knock in fifty is taken for more than noise by chance, often over many windows, and
+    what is left after them tells the frequency ten times worse. Then the early samples leave
+    no more than the late ones do; where carriages still slide, they leave much more.
+    """
+    last = windows[-1]
+    for window in windows:
+        fewer, more = len(last.fit.residuals), len(window.fit.residuals)
+        # The last window is a part of the other: what they share makes no difference.
+        apart = _ALIKE * np.sqrt(1 / fewer - 1 / more)
+        louder = window.chi_square > last.chi_square * (1 + np.sqrt(2) * apart)
+        if not louder and window.neighbours <= last.neighbours + apart:
+            return dataclasses.replace(window, is_noise=True)
+    return last
 
 
 def _schwarz(residuals: Float[np.ndarray, " samples"], parameters: int) -> float:
@@ -269,8 +290,8 @@ def _vibrates(fit: Decay, *, band: tuple[float, float]) -> bool:
     )
 
 
-def _judge(fit: Decay) -> tuple[float, bool]:
-    """Residual variance over the noise's, and whether the residuals pass for noise."""
+def _judge(fit: Decay) -> tuple[float, float, bool]:
+    """Residual variance over the noise's, neighbours' correlation, and whether it is noise."""
     count, parameters = fit.jacobian.shape
     freedom = count - parameters
     total = float(fit.residuals @ fit.residuals)
@@ -278,7 +299,7 @@ def _judge(fit: Decay) -> tuple[float, bool]:
     neighbours = float(fit.residuals[1:] @ fit.residuals[:-1]) / total
     # Under noise the correlation of neighbours is normal with a variance of 1/n.
     loose = neighbours * np.sqrt(count) < -scipy.special.ndtri(_LEVEL)
-    return total / freedom, bool(likely and loose)
+    return total / freedom, neighbours, bool(likely and loose)
 
 
 def _in_metres(record: Thinned, noise_sigma: float, mode: Mode) -> Mode:

@@ -11,24 +11,30 @@ from identification.vision.proposal.patches import Disc, has_hue
 _STILL = 2.0
 _JUMP = 0.2
 _ALIKE = 0.25
-_MOSTLY = 0.5
+MOSTLY = 0.5
+"""Share of the pictures in which a mark or marker is seen."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Found:
-    """A disc that is in most of the pictures."""
+    """A disc or a tag that is in most of the pictures."""
 
     colour: str
-    """Name of its colour."""
-    first: Disc
-    """It where it was found first."""
+    """Name of its colour; empty of a tag."""
+    centre: Float64[np.ndarray, " 2"]
+    """Where it was found first [px]."""
+    radius: float
+    """Its radius there; of a tag half its diagonal [px]."""
     path: Float64[np.ndarray, "pictures 2"]
-    """Where it is in each that it was found in [px]."""
+    """Where it is; of a tag in each picture, NaN where it isn't found [px]."""
+    aruco: int | None = None
+    """Its number if it is a tag."""
 
     @property
     def moves(self) -> bool:
         """Whether it is a marker: marks stay where they are."""
-        return bool(np.max(np.ptp(self.path, axis=0)) > _STILL)
+        lowest, highest = np.nanmin(self.path, axis=0), np.nanmax(self.path, axis=0)
+        return bool((highest - lowest).max() > _STILL)
 
 
 def followed(
@@ -49,8 +55,9 @@ def followed(
         for each in discs:
             _lengthen(trails, [d for d in each if has_hue(colour, d.hue)], _JUMP * size)
         for trail in trails:
-            if len(trail) > _MOSTLY * len(discs):
-                yield Found(name, trail[0], np.array([disc.centre for disc in trail]))
+            if len(trail) > MOSTLY * len(discs):
+                path = np.array([disc.centre for disc in trail])
+                yield Found(name, path[0], trail[0].radius, path)
 
 
 def _lengthen(trails: list[list[Disc]], discs: list[Disc], reach: float) -> None:

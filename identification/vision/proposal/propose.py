@@ -1,10 +1,11 @@
 """A `VISION.toml` for a video of which nothing is known but the video.
 
 Discs are found without being told their colours: patches of strong colour whose outline is an
-ellipse's, their hues clustered. What stays where it is in pictures from the whole of the
-video is a mark, what moves a marker, and two of a colour that keep their distance are on one
-body. Where they are on the rig and how large, no picture tells: that is left for the person,
-with a picture in which they have their numbers.
+ellipse's, their hues clustered. Tags are read by the dictionary of which most are found. What
+stays where it is in pictures from the whole of the video is a mark, what moves a marker, and
+two discs of a colour, or tags that keep their distance, are on one body. Where they are on the
+rig and how large, no picture tells: that is left for the person, with a picture in which they
+have their numbers.
 """
 
 import dataclasses
@@ -15,6 +16,7 @@ from identification.vision.pictures.opencv import opencv
 from identification.vision.pictures.stream import pictures
 from identification.vision.proposal.followed import Found, followed
 from identification.vision.proposal.patches import Picture, clusters, round_patches
+from identification.vision.proposal.tagged import tagged
 from identification.vision.proposal.text import LETTERS, document
 from scdpr_jax.numerics.files import whole_file, write_whole
 from scdpr_jax.numerics.progress import SILENT, Progress
@@ -52,22 +54,28 @@ def propose(video: Path, target: Path, *, progress: Progress = SILENT) -> Propos
             "away, or name another file."
         )
     shown, rate = _sampled(video, progress)
+    dictionary, tags = tagged(shown)
     discs = [list(round_patches(picture)) for picture in shown]
     colours = clusters([disc for each in discs for disc in each])
     found = list(followed(discs, colours, max(shown[0].shape)))
     colours = {name: colours[name] for name in colours if name in {f.colour for f in found}}
+    found += tags
     if not found:
         raise ValueError(
-            f"{video}: no coloured disc was found. Is the light enough, and are the discs of a "
-            "strong colour on a dull ground, 8 px across at least?"
+            f"{video}: neither a coloured disc nor an ArUco tag was found. Is the light "
+            "enough? Discs need a strong colour on a dull ground and 8 px, tags a white rim "
+            "and 24 px."
         )
     marks = sorted((f for f in found if not f.moves), key=_place)
     markers = sorted((f for f in found if f.moves), key=_place)
     picture = target.with_suffix(".png")
     every = [disc for each in discs for disc in each]
-    write_whole(target, document(_named(video, target), rate, colours, every, marks, markers))
+    write_whole(
+        target,
+        document(_named(video, target), rate, colours, every, marks, markers, dictionary),
+    )
     _draw(picture, shown[0], marks, markers)
-    return Proposal(tuple(_lines(colours, marks, markers)), picture)
+    return Proposal(tuple(_lines(colours, dictionary, marks, markers)), picture)
 
 
 def _sampled(video: Path, progress: Progress) -> tuple[list[Picture], float]:
@@ -90,15 +98,21 @@ def _named(video: Path, target: Path) -> str:
 
 
 def _place(found: Found) -> tuple[float, float]:
-    return float(found.first.centre[1] // 100), float(found.first.centre[0])
+    return float(found.centre[1] // 100), float(found.centre[0])
 
 
 def _lines(
-    colours: dict[str, tuple[float, float]], marks: Sequence[Found], markers: Sequence[Found]
+    colours: dict[str, tuple[float, float]],
+    dictionary: str,
+    marks: Sequence[Found],
+    markers: Sequence[Found],
 ) -> Iterator[str]:
-    yield f"colours: {', '.join(colours)}"
-    yield f"marks, discs that stay where they are: {len(marks)}"
-    yield f"markers, discs that move: {len(markers)}"
+    if colours:
+        yield f"colours: {', '.join(colours)}"
+    if dictionary:
+        yield f"tags of the dictionary {dictionary}"
+    yield f"marks, which stay where they are: {len(marks)}"
+    yield f"markers, which move: {len(markers)}"
     if len(marks) < 4:
         yield "note: four marks are needed, not all on a line"
     if not markers:
@@ -113,8 +127,8 @@ def _draw(
     numbered = [(str(k), found) for k, found in enumerate(marks, start=1)]
     numbered += list(zip(LETTERS, markers, strict=False))
     for name, found in numbered:
-        at = tuple(round(x) for x in found.first.centre)
-        radius = int(found.first.radius) + 6
+        at = tuple(round(x) for x in found.centre)
+        radius = int(found.radius) + 6
         for step, colour in ((2, (0, 0, 0)), (0, (255, 255, 255))):
             cv2.circle(drawn, (at[0] + step, at[1] + step), radius, colour, 2, cv2.LINE_AA)
             place = (at[0] + radius + step, at[1] - radius + step)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from identification.vision.proposal.followed import Found
 from identification.vision.proposal.patches import Disc, has_hue
+from identification.vision.proposal.tagged import together
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 """Names of markers in the picture."""
@@ -13,7 +14,7 @@ _WIDER = 12.0
 _HEAD = """# What a video seems to show. Fill in what is empty, see the picture for the numbers,
 # delete discs that are none of the rig's.
 format = 1
-video = "{video}"
+video = "{video}"{dictionary}
 
 [time]
 frame_rate = "{rate:g} Hz"          # by the file; or, with drops, stamps = "frames.csv"
@@ -39,9 +40,7 @@ _MARK = """
 name = "mark_{number}"
 x = ""                         # in the frame's coordinates, like "-45 mm"
 y = ""
-colour = "{colour}"
-diameter = ""                  # it is {across:.0f} px across
-near = [{u:.1f}, {v:.1f}]
+{look}
 """
 _MARKER = """
 [[markers]]                    # {letter} in the picture: it moves
@@ -49,10 +48,12 @@ body = "{body}"{why}
 x = ""                         # from the body's origin, like "-110 mm"
 y = ""
 depth = ""                     # before the marks' plane, like "20 mm"
-colour = "{colour}"
-diameter = ""                  # it is {across:.0f} px across
+{look}
 """
-_TOGETHER = "          # as there are several of its colour"
+_DISC = """colour = "{colour}"
+diameter = ""                  # it is {across:.0f} px across"""
+_NEAR = "\nnear = [{u:.1f}, {v:.1f}]"
+_TOGETHER = "          # as there are several of its colour, or as they keep their distance"
 _ALONE = "                      # lower_carriage, upper_carriage or end_effector"
 
 
@@ -63,6 +64,7 @@ def document(
     discs: Sequence[Disc],
     marks: Sequence[Found],
     markers: Sequence[Found],
+    dictionary: str = "",
 ) -> str:
     """The text of a proposal.
 
@@ -73,29 +75,42 @@ def document(
         discs: Discs of all colours.
         marks: Those that stay where they are.
         markers: Those that move.
+        dictionary: Of the tags, empty where there are none.
 
     Returns:
         A `VISION.toml` to be filled in.
     """
-    parts = [_HEAD.format(video=video, rate=rate)]
+    parts = [_HEAD.format(video=video, rate=rate, dictionary=_printed(dictionary))]
     parts += [_colour(name, hues, discs) for name, hues in colours.items()]
     for number, mark in enumerate(marks, start=1):
-        u, v = mark.first.centre
-        across = 2 * mark.first.radius
-        parts.append(_MARK.format(number=number, colour=mark.colour, across=across, u=u, v=v))
-    names = [marker.colour for marker in markers]
-    for letter, marker in zip(LETTERS, markers, strict=False):
-        several = names.count(marker.colour) > 1
+        u, v = mark.centre
+        near = "" if mark.aruco is not None else _NEAR.format(u=u, v=v)
+        parts.append(_MARK.format(number=number, look=_look(mark) + near))
+    names = [marker.colour for marker in markers if marker.colour]
+    pairs = zip(markers, together(markers), strict=True)
+    for letter, (marker, kept) in zip(LETTERS, pairs, strict=False):
+        several = kept or names.count(marker.colour) > 1
         parts.append(
             _MARKER.format(
                 letter=letter,
                 body="end_effector" if several else "",
                 why=_TOGETHER if several else _ALONE,
-                colour=marker.colour,
-                across=2 * marker.first.radius,
+                look=_look(marker),
             )
         )
     return "".join(parts)
+
+
+def _printed(dictionary: str) -> str:
+    """The line that names the tags' dictionary, where there are any."""
+    return f'\ndictionary = "{dictionary}"' if dictionary else ""
+
+
+def _look(found: Found) -> str:
+    """What it looks like."""
+    if found.aruco is not None:
+        return f"aruco = {found.aruco}"
+    return _DISC.format(colour=found.colour, across=2 * found.radius)
 
 
 def _colour(name: str, hues: tuple[float, float], discs: Sequence[Disc]) -> str:

@@ -35,18 +35,18 @@ class Tag(Look):
         if (high - low < 8).any():
             return None
         patch = np.ascontiguousarray(picture[low[1] : high[1], low[0] : high[0]])
-        corners = _detected(self.dictionary, patch).get(self.number)
+        corners = detected(self.dictionary, patch).get(self.number)
         if corners is None:
             return None
-        centre = _crossing(corners)
+        centre = crossing(corners)
         return Sighting(low + centre, 1.0, 0.0, 0.0)
 
     def places(
         self, picture: Picture, least: float, most: float
     ) -> list[Float64[np.ndarray, " 2"]]:
         """Where the tag is, if it is in the picture."""
-        corners = _detected(self.dictionary, picture).get(self.number)
-        return [] if corners is None else [_crossing(corners)]
+        corners = detected(self.dictionary, picture).get(self.number)
+        return [] if corners is None else [crossing(corners)]
 
 
 def tag_size(dictionary: str, number: int, picture: Picture) -> float | None:
@@ -60,24 +60,38 @@ def tag_size(dictionary: str, number: int, picture: Picture) -> float | None:
     Returns:
         It [px]; None if the tag isn't seen.
     """
-    corners = _detected(dictionary, picture).get(number)
+    corners = detected(dictionary, picture).get(number)
     if corners is None:
         return None
     return float(np.hypot(*(corners - corners.mean(axis=0)).T).mean())
 
 
-def _crossing(corners: Float64[np.ndarray, "4 2"]) -> Float64[np.ndarray, " 2"]:
-    """Where the diagonals cross: perspective keeps lines, and means of corners it doesn't."""
+def crossing(corners: Float64[np.ndarray, "4 2"]) -> Float64[np.ndarray, " 2"]:
+    """Where the diagonals cross: perspective keeps lines, and means of corners it doesn't.
+
+    Args:
+        corners: A tag's corners in their order [px].
+
+    Returns:
+        Its centre [px].
+    """
     first, second = corners[2] - corners[0], corners[3] - corners[1]
     along = np.linalg.solve(np.stack([first, -second], axis=-1), corners[1] - corners[0])
     return corners[0] + along[0] * first
 
 
-def _detected(dictionary: str, picture: Picture) -> dict[int, Float64[np.ndarray, "4 2"]]:
+def detected(dictionary: str, picture: Picture) -> dict[int, Float64[np.ndarray, "4 2"]]:
     """Corners of the tags in a picture, by their numbers.
 
     Tags are looked for in the picture twice as large, too: cells of four pixels are missed in
     one picture of three. Corners are found anew in the picture itself.
+
+    Args:
+        dictionary: The dictionary's name.
+        picture: The picture.
+
+    Returns:
+        Corners of each [px].
     """
     cv2 = opencv()
     large = cv2.resize(picture, None, fx=_TIMES, fy=_TIMES, interpolation=cv2.INTER_CUBIC)
@@ -94,6 +108,20 @@ def _detected(dictionary: str, picture: Picture) -> dict[int, Float64[np.ndarray
         seen |= here
     # One number seen twice is none that can be relied on.
     return {number: _refined(grey, each[0]) for number, each in seen.items() if len(each) == 1}
+
+
+def numbers_in(dictionary: str, picture: Picture) -> list[int]:
+    """Numbers of the tags that are read at first sight.
+
+    Args:
+        dictionary: The dictionary's name.
+        picture: The picture.
+
+    Returns:
+        They, each once.
+    """
+    _, numbers, _ = _detector(dictionary).detectMarkers(picture)
+    return [] if numbers is None else sorted(set(np.ravel(numbers).tolist()))
 
 
 def _refined(

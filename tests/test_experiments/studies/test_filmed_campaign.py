@@ -28,7 +28,7 @@ def filmed(run, motion, folder, number):
     values = tracked.poses.values
     position = np.stack([values[k] for k in ("x_e", "delta_e", "q_3", "q_4", "y_e")], axis=-1)
     camera = CameraStream(time=tracked.clock.frames, position=position)
-    return dataclasses.replace(run, camera=camera), tracked.sigma
+    return dataclasses.replace(run, camera=camera, camera_sigma=tracked.sigma.columns)
 
 
 def motions(truth, seed):
@@ -69,24 +69,18 @@ def coordinates(spline):
 def test_pretension_and_friction_are_found_by_cameras_that_are_videos(tmp_path):
     truth = draw(SEED)
     logs = campaign(truth, SEED)
-    runs, sigmas = [], []
+    runs = []
     splines = list(motions(truth, SEED))
     for number, run in enumerate(logs.runs):
         if run.camera is None:
             runs.append(run)
             continue
         motion = coordinates(splines[number])
-        run, sigma = filmed(run, motion, tmp_path / run.name, number)
-        runs.append(run)
-        sigmas.append(sigma)
-    sensors = dataclasses.replace(
-        logs.sensors,
-        camera_position_sigma=max(sigma.position for sigma in sigmas),
-        camera_angle_sigma=max(sigma.angle for sigma in sigmas),
-    )
-    fitted = estimate(dataclasses.replace(logs, runs=tuple(runs), sensors=sensors))
+        runs.append(filmed(run, motion, tmp_path / run.name, number))
+    fitted = estimate(dataclasses.replace(logs, runs=tuple(runs)))
     found = {each.name: each for each in fitted.parameters}
     for name in ("friction_coefficient", "effective_pretension"):
         true = truth.values[name]
+        print(f"{name}: {found[name].value:.6g} ± {found[name].sigma:.2g}, {true:.6g} true")
         assert found[name].value == pytest.approx(true, rel=0.01)
         assert abs(found[name].value - true) < 3 * found[name].sigma

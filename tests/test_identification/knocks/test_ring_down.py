@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import knock_recording
 import numpy as np
 import pytest
 import scipy.stats
@@ -159,3 +160,19 @@ def test_a_frame_more_or_less_after_the_knock_changes_no_frequency():
             for after in (0.37, 0.40, 0.43)
         ]
         assert np.ptp(ends) < 0.01 * 5.055
+
+
+def test_a_knock_that_is_called_more_than_noise_by_chance_is_told_by_all_of_its_samples():
+    """Cut 0.7 s shorter, this one's first window fails the test of noise at 1 %."""
+    run = knock_recording.recording(0).single.runs[38]
+    time, x_e = run.camera.time, run.camera.position[:, 0]
+    after = run.knock.start + 0.08
+    whole, cut = (
+        ring_down(time[kept], x_e[kept], noise_sigma=1.9e-4, after=after)
+        for kept in (time > 0, time < 615.9)
+    )
+    assert cut.window[0] == whole.window[0]
+    assert cut.residuals_are_noise
+    # As many samples but for those in which nothing is left.
+    assert abs(cut.frequency - whole.frequency) < 0.5 * whole.frequency_sigma
+    assert cut.frequency_sigma < 1.2 * whole.frequency_sigma

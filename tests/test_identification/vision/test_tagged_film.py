@@ -1,5 +1,7 @@
 """A film in which marks and markers are printed tags, as a newcomer makes them."""
 
+import tomllib
+
 import cv2
 import numpy as np
 import pytest
@@ -8,7 +10,8 @@ from rig_film import document
 from rig_pictures import developed, jpeg, write_avi
 from rig_video import MARKERS, MARKS, Film, marker_places
 
-from identification.vision.settings import read_vision
+from identification.vision.proposal import propose
+from identification.vision.settings import VisionError, read_vision
 from identification.vision.tracking import track
 
 CAMERA = Camera(readout=0.0, lateral=0.0, exposure=0.0, field_of_view=72.0, pan=0.0)
@@ -103,3 +106,28 @@ def test_tags_give_poses_to_a_millimetre_without_a_click(film):
         # Tags of 33 px are found to a fifth of a pixel of 3.6 mm.
         most = 6e-3 if name == "delta_e" else 1e-3
         assert np.sqrt(np.nanmean((found.poses.values[name] - values) ** 2)) < most, name
+
+
+@pytest.fixture(scope="module")
+def proposed(film):
+    folder, _ = film
+    propose(folder / "video.avi", folder / "proposed.toml")
+    return tomllib.loads((folder / "proposed.toml").read_text())
+
+
+def test_tags_are_proposed_with_their_dictionary_and_numbers(proposed):
+    assert proposed["dictionary"] == "4X4_50"
+    assert {mark["aruco"] for mark in proposed["marks"]} == set(range(len(MARKS)))
+    assert {marker["aruco"] for marker in proposed["markers"]} == {10, 11, 12, 13}
+
+
+def test_tags_that_keep_their_distance_are_on_one_body(proposed):
+    bodies = {marker["aruco"]: marker["body"] for marker in proposed["markers"]}
+    assert bodies[10] == bodies[11] == "end_effector"
+
+
+def test_what_is_left_empty_is_asked_for_and_nothing_else(film, proposed):
+    folder, _ = film
+    with pytest.raises(VisionError, match="empty, and so are") as caught:
+        read_vision(folder / "proposed.toml")
+    assert "aruco" not in str(caught.value)
