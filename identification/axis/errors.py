@@ -16,7 +16,7 @@ import dataclasses
 
 import numpy as np
 from jaxtyping import Float
-from scipy import stats
+from scipy import special
 
 from scdpr_jax.numerics.long_run_variance import Sandwich, sandwich
 
@@ -92,7 +92,7 @@ def errors(
     )
     between = np.maximum(_between(by_horizon), _between([first, second]))
     # Horizons and halves are that many estimates, less one for their mean.
-    between *= (stats.t.ppf(0.975, len(by_horizon) + 1) / 1.96) ** 2
+    between *= (special.stdtrit(len(by_horizon) + 1, 0.975) / 1.96) ** 2
     total = within + between
     variance = np.diag(together.covariance)
     share = np.divide(total, variance, out=np.ones(len(values)), where=variance > 0)

@@ -11,7 +11,6 @@ import functools
 import itertools
 
 import numpy as np
-import scipy.signal
 from jaxtyping import Float64, Int
 
 from identification.axis.jumps import jumps, resolution
@@ -136,6 +135,9 @@ def _velocity(
     position: Float64[np.ndarray, " samples"], spans: list[tuple[int, int]], period: float
 ) -> tuple[Float64[np.ndarray, " samples"], float, float]:
     """Velocities by the widest local cubics that follow the motion, and the noise of both."""
+    # It brings `scipy.stats`, which takes as long to load as all else of a fit.
+    from scipy.signal import savgol_coeffs, savgol_filter
+
     scatter: dict[int, float] = {}
     velocities: dict[int, Float64[np.ndarray, " samples"]] = {}
     for half in HALF_WINDOWS:
@@ -143,21 +145,19 @@ def _velocity(
         if window > min(b - a for a, b in spans):
             break
         # A cubic through a window's middle takes this share of the noise with it.
-        weight = scipy.signal.savgol_coeffs(window, _CUBIC)[half]
+        weight = savgol_coeffs(window, _CUBIC)[half]
         velocity, left = np.zeros(len(position)), []
         for a, b in spans:
             part = position[a:b]
-            smooth = scipy.signal.savgol_filter(part, window, _CUBIC)
+            smooth = savgol_filter(part, window, _CUBIC)
             left.append((part - smooth)[half : len(part) - half])
-            velocity[a:b] = scipy.signal.savgol_filter(
-                part, window, _CUBIC, deriv=1, delta=period
-            )
+            velocity[a:b] = savgol_filter(part, window, _CUBIC, deriv=1, delta=period)
         scatter[half] = float(np.sqrt(np.mean(np.concatenate(left) ** 2) / (1 - weight)))
         velocities[half] = velocity
     least = resolution(position) / np.sqrt(12)
     noise = max(scatter[HALF_WINDOWS[0]], least)
     widest = max(half for half, size in scatter.items() if size <= NO_WORSE * noise)
-    slope = scipy.signal.savgol_coeffs(2 * widest + 1, _CUBIC, deriv=1, delta=period)
+    slope = savgol_coeffs(2 * widest + 1, _CUBIC, deriv=1, delta=period)
     return velocities[widest], noise, noise * float(np.linalg.norm(slope))
 
 
