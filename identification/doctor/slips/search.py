@@ -28,7 +28,9 @@ ODD = 0.45
 """Severity of one run alone that makes it odd: it has larger errors than a campaign."""
 
 PRICE = 1.0
-"""What a second slip must mend, to be told."""
+"""What a second slip must mend, to be told, where it leaves something: where it leaves nothing
+and the first one did, `SURE` is enough. A relation that says how much isn't explained can't be
+off by more than all of it, and would never weigh as much as the price."""
 
 BEST = 3
 """First slips that are followed by a second one."""
@@ -175,7 +177,7 @@ def _pairs(first: list[Explanation]) -> list[Explanation]:
     for start in first[:BEST]:
         found += [
             Explanation(
-                then.left + PRICE,
+                then.left + (PRICE if then.left > 0 else SURE),
                 (*start.slips, *then.slips),
                 (*start.undone, *then.undone),
                 then.examination,
