@@ -145,6 +145,7 @@ def tune(
     if effort.planned:
         some = seen.legs.rows(np.arange(effort.planned))
         inner = progress.part(0.8, 0.95, "legs as planned")
+        inner("", 0.0)
         planned = planned_legs(main.fitted.robot, controller, some, progress=inner)
         legs = dataclasses.replace(legs, planned=planned)
     progress("manoeuvres before and after", 0.95)

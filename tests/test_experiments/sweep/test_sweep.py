@@ -362,3 +362,11 @@ def test_somebody_elses_file_is_not_taken_for_a_result(tmp_path):
     with pytest.raises(ValueError, match="exists already"):
         sweep(SMALL, grid, consistent(), out)
     assert out.read_text() == "mine"
+
+
+@pytest.mark.parametrize("count", [1, 100_000, 131_072, 1_000_000, 10_000_000])
+def test_a_sweep_of_millions_has_longer_units_within_their_limit(count):
+    unit = CLOSED_LOOP.of_size(count).unit
+    assert CLOSED_LOOP.unit <= unit <= CLOSED_LOOP.most
+    assert unit % CLOSED_LOOP.chunk == 0
+    assert (unit > CLOSED_LOOP.unit) == (count >= 2 * 256 * CLOSED_LOOP.unit)

@@ -58,6 +58,7 @@ and more words
 """
 
 
+@hypothesis.settings(max_examples=30)
 @hypothesis.given(cells=st.integers(1, 60), odd=st.sets(st.integers(0, 29), max_size=9))
 def test_blocks_of_any_size_make_the_same_channels(tmp_path_factory, cells, odd):
     path = tmp_path_factory.mktemp("log") / "log.csv"
