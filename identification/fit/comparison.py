@@ -177,7 +177,7 @@ def _comparison(
                 _channel(
                     name,
                     unit,
-                    sensors.of_camera(run)[index],
+                    float(sensors.of_camera(run)[index]),
                     time=frame_time[seen],
                     measured=measured[seen, index],
                     simulated=simulated[seen, index],
