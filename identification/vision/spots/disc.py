@@ -274,7 +274,7 @@ def _most_common(light: Float64[np.ndarray, "pixels 3"]) -> Float64[np.ndarray, 
     return light[apart <= _median(apart) + 1e-4].mean(axis=0)
 
 
-def _median(values: Float64[np.ndarray, "..."]) -> Float64[np.ndarray, "..."]:
+def _median(values: Float64[np.ndarray, "..."]) -> Float64[np.ndarray, "..."] | float:
     """The median over pixels; of a few hundred, NumPy's own takes five times as long."""
     ordered, half = np.sort(values, axis=0), len(values) // 2
     return ordered[half] if len(values) % 2 else (ordered[half - 1] + ordered[half]) / 2
