@@ -26,6 +26,8 @@ _DICTIONARIES = (
 """Dictionaries that are tried: a larger one of a kind has the smaller one's tags, too."""
 _TRIED = 3
 """Pictures by which the dictionary is told."""
+_FEWEST = 2
+"""Tags that a rig with tags has at least; a plate with a disc is read as one now and then."""
 _KEEPS = 0.02
 """Share of their distance by which two tags on one body may come nearer to each other."""
 _NEAR = 1.5
@@ -46,7 +48,7 @@ def tagged(shown: Sequence[Picture]) -> tuple[str, list[Found]]:
     few = [shown[k] for k in np.linspace(0, len(shown) - 1, _TRIED).astype(int)]
     counts = {name: _count([numbers_in(name, each) for each in few]) for name in _DICTIONARIES}
     dictionary = max(counts, key=lambda name: counts[name])
-    if not counts[dictionary]:
+    if counts[dictionary] < _FEWEST:
         return "", []
     pictures = [detected(dictionary, picture) for picture in shown]
     numbers = sorted({number for seen in pictures for number in seen})

@@ -165,7 +165,9 @@ def _keys(paths: Sequence[Path]) -> dict[Path, tuple[str, ...]]:
     words = {}
     for path in dict.fromkeys(paths):
         parts = tokens(path.resolve().parent.name) + tokens(re.sub(r"\.\w+$", "", path.name))
-        words[path] = tuple(word for word in parts if word not in STREAM_WORDS)
+        # A motor step is a kind of run, a motor's log a stream.
+        kind = {"motor"} if "step" in parts else set()
+        words[path] = tuple(word for word in parts if word not in STREAM_WORDS - kind)
     shared = set.intersection(*map(set, words.values())) if len(words) > 1 else set()
     shared = {word for word in shared if not any(word in told for told in KIND_WORDS.values())}
     return {path: tuple(w for w in each if w not in shared) for path, each in words.items()}
