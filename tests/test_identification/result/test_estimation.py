@@ -142,16 +142,21 @@ def test_float32_is_refused(campaign):
         estimate(campaign)
 
 
-def test_jacobians_agree_with_differences(campaign, truth):
+@pytest.mark.parametrize(
+    "beginning",
+    [(), pytest.param((1e-3, 0.02, 0.3, -0.5, 0.2, 3.0, 2.5), marks=pytest.mark.slow)],
+    ids=["at rest", "in motion"],
+)
+def test_jacobians_agree_with_differences(campaign, truth, beginning):
     """Forward mode through sticks and slips against central differences."""
     run = campaign.run(RUNS[2])
-    radius = float(consistent().drive.effective_radius)
+    reading = Reading(height=1.112, radius=0.073, in_motion=bool(beginning))
     record = jax.tree.map(
         lambda leaf: jnp.asarray(leaf[0]),
-        stacked([run], [Clock(0.0, 0.0)], campaign.sensors, Reading(1.112, radius)),
+        stacked([run], [Clock(0.0, 0.0)], campaign.sensors, reading),
     )
     free = [encode(name, truth.values[name]) for name in DRAWN]
-    point = jnp.array([*free, *record.prior.mean[START], -40.0, 0.01, 0.0, 0.0])
+    point = jnp.array([*free, *record.prior.mean[START], -40.0, 0.01, 0.0, 0.0, *beginning])
     robot = consistent()
 
     def frames(x):
