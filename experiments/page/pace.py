@@ -51,7 +51,14 @@ class Pace:
 
 
 _BUSY = 0.5
-"""Processor time over time from which on a part is this process's own work [1]."""
+"""A part's processor time over what it would be if it were spread evenly, from which on the
+part is this process's own work [1]."""
+_OWN = 0.1
+"""Processor time over time below which others do the work [1]."""
+_RECENT = 0.2
+"""Share of the whole whose pace, the last one seen, counts as much as that of all [1]."""
+_FINE = 0.005
+"""Steps in which the way is kept [1]."""
 EVEN = Pace(60.0, ())
 """Of what has never been run: what it tells is taken for its time, of a minute."""
 _UNKNOWN = 0.1
@@ -83,6 +90,7 @@ class Clock:
         self._begin = now
         self._used = used
         self._told = [(0.0, 0.0, 0.0)]
+        self._way = [(0.0, 0.0)]
         self._at = 0.0
         self._shown = 0.0
 
@@ -126,6 +134,8 @@ class Clock:
         # what was told then waits, and the time left doesn't.
         longer = max(total, passed / share)
         total = self._total(share, passed) if work else longer
+        if self._pace.used:
+            total = (total + self._recent(share, passed, total)) / 2
         return Standing(self._shown, total * (1 - min(share, 1.0)))
 
     def pace(self, now: float, used: float = 0.0) -> Pace:
@@ -162,14 +172,22 @@ class Clock:
         shares, times = zip((0.0, 0.0), *inner, (1.0, 1.0), strict=True)
         return shares, times
 
+    def _recent(self, share: float, passed: float, total: float) -> float:
+        """Time of a whole that goes as the last part of the way did [s]."""
+        if share > self._way[-1][0] + _FINE:
+            self._way.append((share, passed))
+        ways = (own for own in reversed(self._way) if own[0] <= share - _RECENT)
+        before, then = next(ways, self._way[0])
+        return (passed - then) / (share - before) if share > before else total
+
     def _work(self, at: float, ahead: float) -> float:
         """Processor time of a part that begins at some share [s]; 0 where others work."""
-        if not self._pace.used or not ahead:
+        if not ahead or sum(self._pace.used[-1:]) <= _OWN * self._pace.total:
             return 0.0
         times = (0.0, *(time for _, time in self._pace.points), 1.0)
         used = (0.0, *self._pace.used)
         begin, end = (_between(time, times, used) for time in (at, at + ahead))
-        return end - begin if end - begin > _BUSY * ahead * self._pace.total else 0.0
+        return end - begin if end - begin > _BUSY * ahead * used[-1] else 0.0
 
     def _total(self, share: float, passed: float) -> float:
         """Time of the whole [s], by the last time and by how far it was after some time."""

@@ -106,3 +106,17 @@ def test_processor_time_is_kept(tmp_path):
     clock.tell(0.5, 4.0, 5.0)
     keep("sweep", clock.pace(8.0, 9.0), file)
     assert expected("sweep", file) == Pace(8.0, ((0.5, 0.5),), (3.0, 7.0))
+
+
+def test_what_slows_down_in_the_middle_is_told_sooner_than_by_the_mean():
+    # Half as fast from the middle on: 5 s for the first half, 10 s for the second.
+    even = Pace(
+        10.0, tuple((n / 20, n / 20) for n in range(1, 20)), tuple(map(float, range(20)))
+    )
+    clock = Clock(even, 0.0)
+    for n in range(1, 20):
+        now = n / 2 if n <= 10 else 5.0 + (n - 10)
+        clock.tell(n / 20, now, float(n - 1))
+        left = clock.standing(now, float(n - 1)).left
+        if 14 <= n <= 18:
+            assert (15 - now) / 1.5 <= left <= 15 - now
