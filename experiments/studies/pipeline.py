@@ -86,7 +86,8 @@ def calibrate(
     progress = listening(progress)
     names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
     with _aside() as aside:
-        # What tuning compiles doesn't depend on the fit: it comes along on another core.
+        # Ring-downs and what tuning compiles don't depend on the fit: other cores do them.
+        rung = aside.submit(_frequencies, campaign)
         compiled = [
             aside.submit(prepare) for prepare in preparations(consistent(), leg_times=leg_times)
         ]
@@ -102,7 +103,7 @@ def calibrate(
         for each in compiled:
             each.result()
         progress("ring-downs", 0.7)
-        frequencies, unresolved = _frequencies(campaign)
+        frequencies, unresolved = rung.result()
         tuned = None
         if found.fits or force:
             tuned = tune(
