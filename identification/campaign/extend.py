@@ -1,6 +1,7 @@
 """Runs put into a campaign's folder: all of them, or none."""
 
 import dataclasses
+import os
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -52,15 +53,19 @@ def add_runs(campaign: Campaign, path: str | Path) -> None:
         draft.mkdir()
         (draft / CAMPAIGN_FILE).write_bytes(read_given(target / CAMPAIGN_FILE, most=DOCUMENT))
         write_runs(campaign, draft)
+        stated = [
+            state_camera(draft, run.name, run.camera_sigma)
+            for run in campaign.runs
+            if run.camera_sigma
+        ]
         there = [each.name for each in target.iterdir()]
         faults = survey(draft, absent=there).all_faults
         if faults:
             raise CampaignError(target, faults)
-        own = {run.name: run.camera_sigma for run in campaign.runs if run.camera_sigma}
         with TOGETHER:
             _move_all([draft / run.name for run in campaign.runs], target)
-            for name, sigma in own.items():
-                state_camera(target, name, sigma)
+            if any(stated):
+                os.replace(draft / CAMPAIGN_FILE, target / CAMPAIGN_FILE)
 
 
 def state_camera(path: str | Path, name: str, sigma: Mapping[str, float]) -> bool:

@@ -16,7 +16,7 @@ from identification.campaign.types import (
     Sensors,
 )
 from identification.campaign.write import write_campaign
-from identification.data.record import record
+from identification.data.record import Reading, record
 from identification.data.start import Clock, start_pose
 
 OWN = {"x_e": 3.4e-5, "delta_e": 1.8e-4, "q_4": 5.9e-5}
@@ -92,7 +92,7 @@ def test_a_fit_weighs_each_column_by_it():
         camera_sigma=OWN,
     )
     sensors = Sensors()
-    made = record(run, Clock(0.0, 0.0), sensors, height=1.112, clock_drifts=False)
+    made = record(run, Clock(0.0, 0.0), sensors, Reading(height=1.112, radius=0.073))
     weight = np.asarray(made.frame_weight)
     used = weight[:, 0] > 0
     assert used.any()
