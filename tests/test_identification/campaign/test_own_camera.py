@@ -82,12 +82,13 @@ def test_runs_that_are_added_bring_theirs_along(tmp_path, folder):
 def test_a_fit_weighs_each_column_by_it():
     time, frames = 1e-3 * np.arange(400), 1e-2 * np.arange(1, 39)
     voltage = np.where(time > 0.1, 5.0, 0.0)[:, None] * np.ones(2)
+    angle = 50.0 * np.maximum(time - 0.1, 0.0)[:, None] ** 2 * np.ones(2)
     run = Run(
         name="0001-step",
         kind="torque_step",
         pretension=350.0,
         pretension_label="350 N",
-        drive=DriveStream(time=time, voltage=voltage, angle=np.zeros((400, 2))),
+        drive=DriveStream(time=time, voltage=voltage, angle=angle),
         camera=CameraStream(time=frames, position=np.ones((38, 5))),
         camera_sigma=OWN,
     )
