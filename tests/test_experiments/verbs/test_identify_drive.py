@@ -36,6 +36,7 @@ def identified(folder, *, header="t [s],voltage [V],position [deg]", gain="0.05 
     return main(["identify-drive", str(log), "--gain", gain, "--out", str(folder / "out")])
 
 
+@pytest.mark.slow
 def test_a_rotary_axis_is_told_in_its_units_through_wraps_and_a_gap(tmp_path):
     assert identified(tmp_path, wrapped=True, gap=True) == 0
     document = json.loads((tmp_path / "out" / "parameters.json").read_text())

@@ -173,6 +173,7 @@ def test_motion_in_both_directions_tells_each():
     assert estimate.sum_of_frictions() is None
 
 
+@pytest.mark.slow
 def test_an_axis_that_moves_as_the_log_begins_gives_the_same_parameters():
     log = long_log()
     fast = 200 + int(np.argmax(np.abs(np.diff(np.asarray(log.position)[200:400]))))
@@ -192,6 +193,7 @@ def test_a_gap_divides_the_log_and_changes_no_parameter():
     np.testing.assert_allclose(values(estimate.parameters), TRUTH, rtol=5e-3, atol=0.05)
 
 
+@pytest.mark.slow
 def test_friction_that_doubles_on_the_way_is_told():
     first = long_log()
     second = long_log(truth=TRUTH * [1, 1, 2, 1], start=float(first.position[-1]))

@@ -2,6 +2,7 @@
 
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from identification.axis.law import axis_laws
 from identification.axis.log import AxisLog
@@ -23,6 +24,7 @@ def log_of(*truth):
     return AxisLog(time, voltage, np.asarray(positions) + noise)
 
 
+@pytest.mark.slow
 def test_an_axis_that_resists_one_way_more_gets_the_extended_law():
     laws = axis_laws(log_of(90.0, 190.0, 22.0, -3.0, -80.0), gain=GAIN)
     assert laws.extended_is_preferred

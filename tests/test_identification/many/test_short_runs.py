@@ -123,6 +123,7 @@ def test_the_momentum_puts_the_drives_of_a_start_right(drive_friction):
     np.testing.assert_allclose(found[:, 3], starts[:, 3], rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_a_run_that_tells_nothing_leaves_its_start_alone():
     robot, runs, _, starts = drawn(1)
     still = jax.tree.map(lambda leaf: leaf[0], runs)

@@ -84,6 +84,7 @@ def test_the_planned_motion_is_that_of_the_log(rig):
     np.testing.assert_allclose(radius * angle.mean(axis=1), turned, atol=5e-3)
 
 
+@pytest.mark.slow
 def test_expected_standard_errors_are_those_of_fits(rig, told):
     truths = rig.draws(jax.random.key(1), 4)
     sigma = np.sqrt(np.diag(rig.covariance(jnp.mean(told[STEP].units, axis=0))))

@@ -112,6 +112,7 @@ def test_a_shake_is_taken_off_and_told(films):
     assert any("shook" in warning for warning in found.warnings)
 
 
+@pytest.mark.slow
 def test_what_is_left_out_costs_what_it_is_there_for(films):
     folder, truth = films("usual")
     vision = read_vision(folder / "vision.toml")

@@ -62,6 +62,7 @@ def solved(robot, start=START, voltage=STEP, knock=NO_KNOCK, tolerance=1e-10):
     return adaptive(robot, start, voltage, knock, jnp.asarray(tolerance))
 
 
+@pytest.mark.slow
 def test_energy_without_friction_and_damping_is_kept():
     robot = replace(FRICTIONLESS, {"drive_damping": 0.0})
     start = State([0.62, 0.08, 0.59, 0.64, 0.5], [0.0, 0.3, 0.0, 0.0, 0.1])

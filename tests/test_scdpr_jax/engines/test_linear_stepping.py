@@ -137,6 +137,7 @@ def test_no_substep_is_refused():
         run(consistent(), substeps=0)
 
 
+@pytest.mark.slow
 def test_steps_of_200_hz_follow_fine_ones_for_every_stiff_robot():
     # A carriage that creeps off and comes to rest again in one step was once thrown back:
     # one robot of sixty-four was then a millimetre off.

@@ -147,6 +147,7 @@ def test_centre_on_or_beyond_the_frame_needs_infinite_tension(position):
     assert np.isposinf(needed[0])
 
 
+@pytest.mark.slow
 def test_needed_tension_is_differentiable_by_pose_minimum_and_gravity():
     def needed(position, minimum, gravity):
         return needed_tension(

@@ -188,6 +188,7 @@ def test_residuals_change_as_their_derivatives_say(within):
     np.testing.assert_allclose(difference, slope, atol=2e-3 * scale)
 
 
+@pytest.mark.slow
 def test_the_vibration_never_rises_with_the_move_time(designs):
     assert all(
         before.move_time < after.move_time and before.vibration >= after.vibration

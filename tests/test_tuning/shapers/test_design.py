@@ -129,6 +129,7 @@ def test_interior_point_method_keeps_what_is_conserved_and_what_is_tolerated():
     assert abs(float(found.value) - 0.3) <= 1e-8
 
 
+@pytest.mark.slow
 def test_unity_magnitude_design_is_never_worse_than_the_catalogue():
     criterion = worst_residual(jnp.linspace(2.7, 3.3, MODES), jnp.full(MODES, 0.03))
     known = um_ei(3.0, 0.03)
@@ -154,6 +155,7 @@ def test_one_percent_at_a_mode_and_five_around_it_take_less_than_zvd(frequency, 
     assert float(best.duration) < float(zvd(frequency, ratio).duration)
 
 
+@pytest.mark.slow
 def test_specified_insensitivity_holds_over_its_band_in_less_than_ei():
     shaper = specified_insensitivity((2.7, 3.3), 0.05)
     fine = np.linspace(2.7, 3.3, 3001)
@@ -163,6 +165,7 @@ def test_specified_insensitivity_holds_over_its_band_in_less_than_ei():
     assert width >= 0.2
 
 
+@pytest.mark.slow
 def test_simultaneous_shaper_empties_two_modes_in_less_time_than_one_after_the_other():
     modes = ([2.4, 3.9], [0.02, 0.05])
     both = simultaneous(*modes)

@@ -59,6 +59,7 @@ def design():
     return design_for_spectrum(two_peaks())
 
 
+@pytest.mark.slow
 def test_what_is_recommended_is_no_longer_and_leaves_no_more_than_the_catalogues(design):
     picked = pick([one.fit for one in design.compared])
     assert float(design.recommended.shaper.duration) <= float(picked.shaper.duration)
