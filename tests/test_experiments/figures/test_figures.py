@@ -23,6 +23,9 @@ from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_view import cable_loop, shown_instants
 from scdpr_jax.robot.prototype import consistent
 
+NORMAL = 1.959963984540054
+"""Standard errors in half of an interval of 95 %."""
+
 
 def texts(figure):
     return [text.get_text() for text in figure.findobj(matplotlib.text.Text)]
@@ -30,8 +33,8 @@ def texts(figure):
 
 def test_what_may_be_zero_is_held_against_its_usual_size():
     (bar,) = relative_intervals([parameter("drive_friction", 3e-6, 2e-6, unit="N m")])
-    # A tenth of 0.05 N m, and twice the standard error.
-    assert bar.half_width == pytest.approx(4e-6 / 5e-3, rel=1e-12)
+    # A tenth of 0.05 N m, and 1.96 standard errors.
+    assert bar.half_width == pytest.approx(NORMAL * 2e-6 / 5e-3, rel=1e-12)
 
 
 def test_residuals_are_in_units_of_the_noise():
@@ -53,7 +56,7 @@ def test_lost_frames_have_no_residual():
 
 def test_a_relative_interval_is_half_of_the_interval_over_the_value():
     mu, _, tension = relative_intervals(estimated_parameters(), truth=TRUTH)
-    assert mu.half_width == pytest.approx(2e-5 / 0.013, rel=1e-9)  # differences of ends
+    assert mu.half_width == pytest.approx(NORMAL * 1e-5 / 0.013, rel=1e-12)
     assert tension.error == pytest.approx(85.0 / 85.5 - 1, rel=1e-12)
     assert tension.name == "effective pretension at 350 N"
 

@@ -1,5 +1,6 @@
 """`scdpr check` by its exit status and files, and verbs that refuse what contradicts itself."""
 
+import csv
 import json
 import subprocess
 import sys
@@ -105,12 +106,16 @@ def test_a_knock_that_is_not_stated_gives_its_frequency(good, tmp_path):
         write_campaign(campaign, tmp_path / name)
         call = ["frequencies", str(tmp_path / name), "--out", str(tmp_path / f"{name}-out")]
         assert main(call) == 0
-    rows = [
-        (tmp_path / f"{name}-out" / "frequencies.csv").read_text().splitlines()[1].split(",")
-        for name in ("stated", "found")
-    ]
-    assert rows[0][-1] == rows[1][-1] == knock
-    assert float(rows[1][3]) == pytest.approx(float(rows[0][3]), rel=0.01)
+    stated, found = (
+        next(csv.DictReader(text.splitlines()))
+        for text in (
+            (tmp_path / f"{name}-out" / "frequencies.csv").read_text()
+            for name in ("stated", "found")
+        )
+    )
+    assert stated["run"] == found["run"] == knock
+    column = "frequency [Hz]"
+    assert float(found[column]) == pytest.approx(float(stated[column]), rel=0.01)
 
 
 def test_check_imports_no_jax(good_folder):
