@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import planted_slips
 import pytest
+import slip_changes
 
 from identification.doctor.examine import diagnosis
 from identification.doctor.fittable import fittable
@@ -24,7 +25,7 @@ def gap(begin, end):
     def change(run):
         keep = (run.drive.time < begin) | (run.drive.time >= end)
         drive = run.drive
-        return planted_slips.drive(
+        return slip_changes.drive(
             run, time=drive.time[keep], voltage=drive.voltage[keep], angle=drive.angle[keep]
         )
 

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import planted_slips
+import slip_changes
 
 from identification.campaign import Campaign, Run
 from identification.doctor import examine
@@ -15,14 +16,14 @@ def late(begin: float):
     def change(run: Run) -> Run:
         rows = run.drive.time >= begin
         drive = run.drive
-        run = planted_slips.drive(
+        run = slip_changes.drive(
             run,
             time=drive.time[rows],
             voltage=drive.voltage[rows],
             angle=drive.angle[rows],
         )
         frames = run.camera.time >= begin
-        return planted_slips.camera(
+        return slip_changes.camera(
             run, time=run.camera.time[frames], position=run.camera.position[frames]
         )
 
