@@ -40,6 +40,7 @@ def test_run_ends_where_friction_holds_the_carriages(truth):
     assert np.all(last == last[0])
 
 
+@pytest.mark.slow
 def test_bias_falls_with_the_width(wide_and_narrow, truth):
     wide, narrow = (np.abs(bias(model, truth.position)) for model in wide_and_narrow)
     # In proportion; the time to stop adds a logarithm of the width.

@@ -80,6 +80,7 @@ def test_a_slip_is_named_first(good, slip):
     assert found[0] == wanted
 
 
+@pytest.mark.slow
 def test_two_slips_are_unravelled(good):
     random = np.random.default_rng(0)
     campaign = good[1]

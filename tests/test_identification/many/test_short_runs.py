@@ -106,6 +106,7 @@ def drawn(count, drive_friction=0.0):
     return robot, runs, truth, truth * 2.0 ** random.choice([-1, 1], size=(count, 4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drive_friction", [0.0, 0.2])
 def test_the_momentum_puts_the_drives_of_a_start_right(drive_friction):
     robot, runs, truth, starts = drawn(16, drive_friction)

@@ -72,6 +72,7 @@ def test_every_picture_in_which_all_is_seen_gives_every_pose(films, kind):
     assert tracked(folder).posed >= 0.97 * len(truth.time) - 1
 
 
+@pytest.mark.slow
 def test_hidden_markers_and_copies_have_no_pose_and_most_of_the_rest_have_one(films):
     folder, truth = films("hard")
     found = tracked(folder)

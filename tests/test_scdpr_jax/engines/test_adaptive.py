@@ -256,6 +256,7 @@ def sensitive(robot, logs):
 
 
 # At the narrow width those through an adaptive solver's steps explode, docs/validity.md.
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1e-2, 1e-4])
 @pytest.mark.parametrize("unknown", range(len(UNKNOWNS)))
 def test_sensitivities_are_differences_of_the_motion(unknown, width):

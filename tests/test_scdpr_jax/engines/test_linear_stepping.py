@@ -85,7 +85,7 @@ def test_a_carriage_that_sticks_rests_exactly():
     assert jnp.all(carriages(moving.velocity[-1]) == 0)
 
 
-@pytest.mark.parametrize("mode", ["fwd", "rev"])
+@pytest.mark.parametrize("mode", ["fwd", pytest.param("rev", marks=pytest.mark.slow)])
 def test_derivatives_hold_through_every_event(mode):
     names = (
         "friction_coefficient",

@@ -228,6 +228,7 @@ def test_without_vertical_motion_the_horizontal_error_is_the_amplitude_cubed():
     assert np.all((errors[0] / errors[1] > 7) & (errors[0] / errors[1] < 9))
 
 
+@pytest.mark.slow
 def test_linear_models_are_differentiable_in_parameters_and_height():
     def matrices(radius, tension, y):
         numbers = {"effective_radius": 0.073 * radius, "effective_pretension": 85 * tension}

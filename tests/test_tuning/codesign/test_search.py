@@ -165,6 +165,7 @@ def test_a_start_is_nearly_the_catalogues_shaper(within):
     assert float(jnp.max(jnp.abs(near - exactly))) <= 15e-3
 
 
+@pytest.mark.slow
 def test_residuals_change_as_their_derivatives_say(within):
     model = jax.tree.map(lambda leaf: jnp.asarray(leaf[1]), SEEN)
     # Exact angles: a staircase has no differences to compare with.

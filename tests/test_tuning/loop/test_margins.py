@@ -162,6 +162,7 @@ def test_a_negative_delay_is_refused():
         sampled_margins(PLANT, published_pd(), delay=-1)
 
 
+@pytest.mark.slow
 def test_margins_are_differentiable_in_plant_and_controller():
     def margins(gain, pole, proportional, derivative, filter_time):
         controller = PD(proportional, derivative, 0.05, filter_time)

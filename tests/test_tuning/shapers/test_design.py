@@ -175,6 +175,7 @@ def test_simultaneous_shaper_empties_two_modes_in_less_time_than_one_after_the_o
     assert float(both.duration) < 0.99 * float(after.duration)
 
 
+@pytest.mark.slow
 def test_quantile_is_lower_than_the_worst_case():
     random = np.random.default_rng(2)
     frequency, ratio = random.normal(3.0, 0.2, MODES), np.full(MODES, 0.03)
