@@ -13,7 +13,6 @@ from tuning.loop.flexible_loop import JOINT_LOOPS, PlantOfPoles, flexible_plant,
 from tuning.loop.plant import shift_minus_one
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("loop", range(len(JOINT_LOOPS)))
 @pytest.mark.parametrize(
     "changes",
