@@ -121,27 +121,23 @@ def _traced(
     closed = ClosedJaxpr(lifted, [value for _, value, moves in pairs if not moves])
     constants = tuple(value for _, value, moves in pairs if moves)
     parameters, carried = count[0] + len(constants), count[1]
+    inputs = len(given) - sum(count)
     about = [f"{parameters} parameters, {carried} carried", *_described(closed)]
     name = hashlib.sha256("\n".join(about).encode()).hexdigest()
     step = Step(
         name,
         parameters,
         carried,
-        _named(closed.in_avals, {"parameter": parameters, "carry": carried}, "input"),
-        _named(closed.out_avals, {"next": carried}, "output"),
+        _named(closed.in_avals, {"parameter": parameters, "carry": carried, "input": inputs}),
+        _named(closed.out_avals, {"next": carried, "output": len(closed.out_avals) - carried}),
         lambda: closed,
     )
     return Traced(step, constants, outputs)
 
 
-def _named(
-    every: Sequence[Any], first: dict[str, int], rest: str
-) -> dict[str, tuple[int, ...]]:
-    """Names of arrays by what they are and their place among these, with their shapes."""
-    kinds = [kind for kind, count in first.items() for _ in range(count)]
-    kinds += [rest] * (len(every) - len(kinds))
-    places = (kinds[:i].count(kind) for i, kind in enumerate(kinds))
-    names = (f"{kind}{place}" for kind, place in zip(kinds, places, strict=True))
+def _named(every: Sequence[Any], counts: dict[str, int]) -> dict[str, tuple[int, ...]]:
+    """Names of arrays, so many of each kind in turn, with their shapes."""
+    names = [f"{kind}{i}" for kind, count in counts.items() for i in range(count)]
     return {name: tuple(own.shape) for name, own in zip(names, every, strict=True)}
 
 

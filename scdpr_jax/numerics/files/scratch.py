@@ -18,7 +18,8 @@ import threading
 from collections.abc import Iterator
 
 TOGETHER = threading.Lock()
-"""Held while what belongs together is put in its place: a process isn't ended then."""
+"""Held while what belongs together is put in its place: a process isn't ended then. Writing a
+file whole takes it, so whoever holds it only renames."""
 _on_the_way: set[pathlib.Path] = set()
 _MARK = f"scdpr-{hashlib.sha256(platform.node().encode()).hexdigest()[:8]}"
 """Whose it is: a folder may be shared by machines, each with processes of its own."""
