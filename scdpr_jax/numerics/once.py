@@ -105,7 +105,8 @@ def _put_in(flat: _Flat, closed: ClosedJaxpr, inputs: Sequence) -> list:
     return [of(atom) for atom in jaxpr.outvars]
 
 
-def _evaluated(flat: _Flat, given: Sequence[Array]) -> list[Array]:
+def _evaluated(flat: _Flat, given: Sequence[Any]) -> list:
+    """The outputs: arrays, tracers of them, or constants of the jaxpr, as JAX keeps those."""
     uses = collections.Counter(
         number
         for numbers in (*(own for _, own, _ in flat.equations), flat.outputs)
@@ -139,7 +140,7 @@ def _cost(equation: JaxprEqn) -> int:
     return 0 if equation.primitive.name in _FREE else 1
 
 
-def _done(equation: JaxprEqn, given: Iterator[Any]) -> Sequence[Array]:
+def _done(equation: JaxprEqn, given: Iterator[Any]) -> Sequence:
     """What an equation makes, its own jaxprs treated likewise."""
     primitive, params = equation.primitive, equation.params
     match primitive.name:
@@ -160,7 +161,7 @@ def _treated(closed: ClosedJaxpr) -> ClosedJaxpr:
     return jax.make_jaxpr(computed_once(jaxpr_as_fun(closed), *like))(*like)
 
 
-def _by_jax(equation: JaxprEqn, given: Sequence[Any]) -> Sequence[Array]:
+def _by_jax(equation: JaxprEqn, given: Sequence[Any]) -> Sequence:
     """What an equation with functions in it makes."""
     pairs = zip(equation.invars, given, strict=True)
     inputs = {own: value for own, value in pairs if not isinstance(own, Literal)}

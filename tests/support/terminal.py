@@ -1,13 +1,17 @@
 """Whether what is printed fits a terminal, without a broken word."""
 
+import re
+
 WIDTHS = (60, 80, 120)
 """Columns of terminals."""
 PIPED = 100_000
 """Columns of what has none."""
+PROGRESS = re.compile(r"^ *\d+ % .*\n", re.MULTILINE)
+"""A line of progress: how many there are, and their figures, is the clock's."""
 
 
 def tokens(text):
-    return {word for word in text.split() if word != "-"}
+    return {word for word in PROGRESS.sub("", text).split() if word != "-"}
 
 
 def check_fits(narrow, wide, width):
