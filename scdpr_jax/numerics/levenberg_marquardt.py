@@ -57,8 +57,8 @@ class Damping:
     most: float = math.inf
     """Damping above which no step is tried: it would lead nowhere [1]."""
     abreast: int = 1
-    """How many dampings are tried at once after a step that didn't help: where evaluations are
-    made side by side, those in a row that don't help cost little more than one."""
+    """How many dampings are tried at once at the most, as many as didn't help in a row before:
+    for evaluations that are made side by side."""
     floor: float = 0.0
     r"""Share of the trace of $M$ that is added to each element of $D$ [1]: damps a direction
     that moves almost nothing."""
@@ -278,7 +278,7 @@ def _weights(
     weight: float, rejections: int, damping: Damping, stopping: Stopping, evaluations: int
 ) -> Float[np.ndarray, " tried"]:
     """The dampings that are tried at once: those that follow where none of them helps."""
-    most = [damping.abreast if rejections else 1]
+    most = [min(max(rejections, 1), damping.abreast)]
     if stopping.rejections is not None:
         most.append(stopping.rejections - rejections)
     if stopping.evaluations is not None:
