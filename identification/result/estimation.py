@@ -218,6 +218,9 @@ def vector(problem: Problem, estimate: Estimate) -> Float[np.ndarray, " n"]:
         point[unknowns.circumstances(run)] = circumstances.vector
         # The fit holds what is beyond what was known of the clock before.
         point[unknowns.circumstance(run, "clock_offset")] -= clock.offset
+    for run in _turning(problem):
+        circumstances = estimate.circumstances[logs.runs[run].name]
+        point[unknowns.circumstances(run)] = circumstances.vector
     return point
 
 
@@ -246,7 +249,15 @@ def _circumstances(
         vector = point[problem.unknowns.circumstances(run)]
         vector[NAMES.index("clock_offset")] += clock.offset
         estimated[logs.runs[run].name] = Circumstances.of(vector)
+    for run in _turning(problem):
+        vector = point[problem.unknowns.circumstances(run)]
+        estimated[logs.runs[run].name] = Circumstances.of(vector)
     return estimated
+
+
+def _turning(problem: Problem) -> list[int]:
+    """The runs of bare drives that turn from the first."""
+    return [run for run in problem.logs.motors if problem.logs.runs[run].in_motion]
 
 
 def require_float64() -> None:
