@@ -224,15 +224,17 @@ def _coverage(
         # In radii over the blur: the edge is where the length is 1 / blur.
         p, q = a * dx + b * dy, c * dx + d * dy
         length = np.sqrt(p * p + q * q) + 1e-12
-        along_x, along_y = (a * p + c * q) / length, (b * p + d * q) / length
+        along_x, along_y = a * p + c * q, b * p + d * q
         # In the very middle no direction leads to the edge.
-        steep = np.maximum(np.hypot(along_x, along_y) * shape.blur, 1e-9)
-        inside = (scale / shape.blur - length) / steep
-        bell = np.exp(-0.5 * inside * inside) / (_SQRT_TAU * steep)
+        steep = np.maximum(np.sqrt(along_x * along_x + along_y * along_y) / length, 1e-9)
+        inside = (scale / shape.blur - length) / (steep * shape.blur)
+        bell = np.exp(-0.5 * inside * inside) / steep
         total[0] += ndtr(inside)
-        total[1] += bell * along_x
-        total[2] += bell * along_y
-        total[3] += bell / shape.blur
+        total[1] += bell / length * along_x
+        total[2] += bell / length * along_y
+        total[3] += bell
+    total[1:] /= _SQRT_TAU * shape.blur
+    total[3] /= shape.blur
     total /= count
     cover, *slopes = total
     # How near the edge is, by the bell: it says so for a disc that moves, too.
