@@ -30,10 +30,8 @@ _OF_KEPT = 0.7588  # mean square of a normal deviate's smaller 95 %
 _OF_UNSURE = 0.18  # of the step from one order to the next, by rendered films
 _STANDS_OUT, _OF_KINK = 6.0, 0.8  # of the median; of the step
 _LEAST_RATIO = 1e-2
-_MOVING = 1.05  # a codec blurs along the way what neither heights nor distances show
-_BY_HEIGHT = {True: 0.25, False: 0.75}
-"""Weight of the carriages' heights, for the end-effector's and for other markers; the
-end-effector's distances have the rest."""
+_CODED = 1.16  # a codec smooths away what discs, heights and distances would show
+_BELIEVED = 0.6  # share of a body's word: it scatters, too, and discs alone are within a fifth
 _ORDER, _FRAMES = (
     2,
     6,
@@ -78,9 +76,9 @@ def noise_of(
     guided = np.mean(list(_of_guided(vision, poses, expected)) or [np.nan])
     own = expected.copy()
     for k, marker in enumerate(vision.markers):
-        alone = shaken and marker.body == "end_effector"
-        weight = _BY_HEIGHT[marker.body == "end_effector"]
-        own[k] *= _MOVING**2 * _scale(rigid, np.nan if alone else guided, weight)
+        words = (rigid, guided) if marker.body == "end_effector" else (guided, rigid)
+        word = next((each for each in words if np.isfinite(each)), 0.0)
+        own[k] *= _CODED**2 * np.exp(_BELIEVED * word)
     common = _common(vision, poses, own) if shaken else 0.0
     return Noise(np.sqrt(own).T, common, _of_rows(vision, poses))
 
@@ -137,14 +135,6 @@ def _of_guided(
 def _ratio(scatter: float, expected: float) -> float:
     """Logarithm of a ratio of variances; what doesn't scatter at all was no measurement."""
     return float(np.log(max(scatter / expected, _LEAST_RATIO)))
-
-
-def _scale(rigid: float, guided: float, weight: float) -> float:
-    """By how much variances are more than discs let expect."""
-    if np.isnan(rigid) or np.isnan(guided):
-        told = [each for each in (rigid, guided) if np.isfinite(each)]
-        return float(np.exp(told[0] if told else 0.0))
-    return float(np.exp(weight * guided + (1 - weight) * rigid))
 
 
 def _off_body(
