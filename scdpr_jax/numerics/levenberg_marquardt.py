@@ -289,6 +289,27 @@ def _weights(
     return np.array(weights)
 
 
+def settled(minimum: Minimum[AMerit], lower: Point) -> Minimum[AMerit]:
+    """A minimum after the step that promised too little to be evaluated.
+
+    It costs nothing, and leaves of the distance what its square is: two searches of the same
+    minimum end at the same point to some ten digits, by whichever way they came.
+
+    Args:
+        minimum: Where a search ended.
+        lower: Its lower bounds.
+
+    Returns:
+        The minimum with its point moved, its merit and model as they were; the same where the
+        search didn't converge.
+    """
+    if minimum.ended != "converged":
+        return minimum
+    undamped = np.array([_REGULAR])
+    (step,), _ = _steps(minimum.normal, minimum.point, lower, undamped, 0.0)
+    return dataclasses.replace(minimum, point=np.maximum(minimum.point + step, lower))
+
+
 def free_unknowns(normal: Merit, point: Point, lower: Point) -> Bool[np.ndarray, " n"]:
     """The unknowns that the data see and that no bound stops.
 
