@@ -37,6 +37,7 @@ from identification.fit.starts import Valley
 from identification.judge.uncertainty import covariance
 from identification.result.estimate import Estimate
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.progress import SILENT, Progress
 
 
 def write_report(
@@ -46,6 +47,7 @@ def write_report(
     title: str,
     truth: dict[str, float] | None,
     pictures: FitPictures | None = None,
+    progress: Progress = SILENT,
 ) -> None:
     """Write the report of a calibration, whole or not at all.
 
@@ -55,6 +57,7 @@ def write_report(
         title: Its title.
         truth: True values by name [SI], where they are known.
         pictures: The pictures of the fit, if they have been begun.
+        progress: Told which share of it is done.
 
     Raises:
         OSError: If the place can't be written to.
@@ -62,6 +65,11 @@ def write_report(
     if pictures is None:
         pictures = FitPictures(findings.campaign, truth=truth)
         pictures.begin(findings.estimate)
+    progress("report: figures of the fit", 0.1)
+    of_fit = _of_fit(findings, truth, pictures)
+    progress("report: figures of the tuning", 0.4)
+    of_tuning = _of_tuning(findings, pictures)
+    progress("report: page", 0.6)  # which waits for figures that other processes draw
     text = page(
         "report.html.j2",
         title=title,
@@ -74,9 +82,10 @@ def write_report(
         with_truth=bool(truth),
         method=method_notes(),
         provenance=_provenance(findings.campaign, findings.estimate),
-        **_of_fit(findings, truth, pictures),
-        **_of_tuning(findings, pictures),
+        **of_fit,
+        **of_tuning,
     )
+    progress("report", 1.0)
     write_whole(pathlib.Path(path), text)
 
 
