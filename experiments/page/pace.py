@@ -223,12 +223,11 @@ def keep(name: str, pace: Pace, kept: pathlib.Path | None, *, given: str = "") -
     own = f"{name} {given}".rstrip()
     if name in USUAL and _compiles(name, every):
         first, again = USUAL[name]
-        pace = again.scaled(again.total * pace.total / first.total)
-    elif own in every:
-        pace = pace.after(every[own])
-    for known in dict.fromkeys((name, own)):
-        every.pop(known, None)
-        every[known] = pace
+        every[name] = again.scaled(again.total * pace.total / first.total)
+    else:
+        # Another input may take ten times as long: it goes as is usual, where that is known.
+        for known in {own, name} - (USUAL.keys() - {own}):
+            every[known] = pace.after(every.pop(known)) if known in every else pace
     last = list(every.items())[-_KEPT:]
     document = {known: [each.total, each.points] for known, each in last}
     try:

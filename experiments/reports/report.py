@@ -85,7 +85,6 @@ def write_report(
         **of_fit,
         **of_tuning,
     )
-    progress("report", 1.0)
     write_whole(pathlib.Path(path), text)
 
 
