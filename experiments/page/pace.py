@@ -24,6 +24,9 @@ _POINTS = 60
 """Points that are kept: a bar has no more parts."""
 _UNKNOWN = 0.1
 """How far the clock alone may go where nothing is known of what comes [1]."""
+_BEGUN = 1e-9
+"""Share that counts as told where the first thing to be done begins: what came before it took
+its time as well [1]."""
 _KEPT = 50
 """Paces that are kept, the last ones."""
 
@@ -114,6 +117,7 @@ class Clock:
             share: Share of the work that is done [1].
             now: Time [s].
         """
+        share = max(share, _BEGUN)
         if share <= self._told[-1][0]:
             return  # Other words, and nothing of how far it is.
         self._told.append((share, now - self._begin))
@@ -136,7 +140,7 @@ class Clock:
         if ahead:
             share += ahead * _creeping((passed - told) / self._total(self._at, told) / ahead)
         self._shown = min(max(self._shown, share), 1.0)
-        known = self._told[-1][0] or self._pace.points
+        known = self._told[-1][0] > _BEGUN or self._pace.points
         left = self._total(share, passed) * (1 - share) if known and share else math.nan
         return Standing(self._shown, left)
 
@@ -263,33 +267,39 @@ USUAL: dict[str, tuple[Pace, Pace]] = {
     "calibrate": (
         _usual(
             60.0,
-            (0.1, 0.37),
-            (0.65, 0.41),
-            (0.7, 0.42),
-            (0.738, 0.5),
-            (0.828, 0.55),
-            (0.846, 0.62),
-            (0.862, 0.76),
+            (0.019, 0.07),
+            (0.1, 0.38),
+            (0.65, 0.43),
+            (0.7, 0.44),
+            (0.738, 0.52),
+            (0.828, 0.57),
+            (0.846, 0.64),
+            (0.862, 0.77),
             (0.874, 0.8),
             (0.93, 0.87),
+            (0.958, 0.95),
         ),
         _usual(
             16.0,
-            (0.1, 0.09),
-            (0.65, 0.11),
-            (0.7, 0.12),
+            (0.019, 0.05),
+            (0.1, 0.08),
+            (0.65, 0.1),
+            (0.7, 0.11),
             (0.738, 0.24),
             (0.783, 0.31),
             (0.828, 0.38),
-            (0.846, 0.53),
-            (0.862, 0.57),
-            (0.874, 0.67),
-            (0.93, 0.72),
+            (0.846, 0.57),
+            (0.862, 0.61),
+            (0.866, 0.65),
+            (0.874, 0.71),
+            (0.93, 0.75),
+            (0.937, 0.8),
+            (0.972, 0.93),
         ),
     ),
     "identify": (
-        _usual(60.0, (0.12, 0.5), (0.29, 0.55), (0.4, 0.62), (0.63, 0.8), (0.85, 0.9)),
-        _usual(6.0, (0.12, 0.2), (0.29, 0.28), (0.4, 0.35), (0.63, 0.65), (0.85, 0.8)),
+        _usual(60.0, (_BEGUN, 0.1), (0.12, 0.5), (0.29, 0.55), (0.4, 0.62), (0.85, 0.9)),
+        _usual(6.0, (_BEGUN, 0.08), (0.12, 0.16), (0.29, 0.28), (0.4, 0.35), (0.85, 0.8)),
     ),
     "tune": (
         _usual(60.0, (0.1, 0.27), (0.7, 0.34), (0.8, 0.45), (0.89, 0.8), (0.95, 0.91)),

@@ -96,6 +96,15 @@ def test_a_call_that_waits_from_its_middle_on_is_told_within_half_of_what_is_lef
             assert (12.5 - now) / 1.5 <= left <= 1.5 * (12.5 - now)
 
 
+def test_what_passes_before_the_first_stage_has_its_time_as_well():
+    first = Clock(EVEN, 0.0)
+    for share, now in ((0.0, 4.0), (0.5, 6.0)):
+        first.tell(share, now)
+    again = Clock(first.pace(10.0), 0.0)
+    again.tell(0.0, 4.0)
+    assert math.isclose(again.standing(4.0).share, 0.4)
+
+
 def test_only_the_last_paces_are_kept(tmp_path):
     file = tmp_path / "paces.json"
     for n in range(60):
