@@ -151,9 +151,9 @@ def method_notes() -> tuple[str, ...]:
         "logarithm of its misfit. Each run's start pose, the force of its knock and an unknown "
         "camera clock are estimated with them. The search begins in several valleys of a "
         "scan over pretension and friction, since single starts end in local minima.",
-        "What is left is told in one measure everywhere: its root mean square in times of the "
-        "sensor's noise. Of a whole model or minimum it is the root of the mean over all "
-        "measurements, large misfits by their logarithm as in the fit.",
+        "Misfit has one measure everywhere: the root mean square of the residuals over the "
+        "noise of the sensor. For a whole model or minimum it is the root of the mean over all "
+        "measurements, with the logarithm of large misfits as in the fit.",
         *(_readable(paragraph) for paragraph in paragraphs),
     )
 
