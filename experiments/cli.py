@@ -64,9 +64,17 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _alone(arguments: list[str]) -> int:
     """Run a verb in a process that is this command's alone."""
+    # Ctrl-C waits until there is somebody who heeds it: an import may swallow it, as Python
+    # clears its locks in callbacks whose exceptions go nowhere. `signal` is one of many imports.
+    if sys.platform != "win32":
+        import _signal
+
+        _signal.pthread_sigmask(_signal.SIG_BLOCK, [_signal.SIGINT])
     from experiments.verbs.ending import end_on_signals, leave
 
     end_on_signals(next(iter(arguments), ""))
+    if sys.platform != "win32":
+        _signal.pthread_sigmask(_signal.SIG_UNBLOCK, [_signal.SIGINT])
     for stream in (sys.stdout, sys.stderr):
         # A name that the terminal's encoding hasn't is written out, as in `ls`.
         if isinstance(stream, io.TextIOWrapper):
