@@ -65,7 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _alone(arguments: list[str]) -> int:
     """Run a verb in a process that is this command's alone."""
     # Ctrl-C waits until there is somebody who heeds it: an import may swallow it, as Python
-    # clears its locks in callbacks whose exceptions go nowhere. `signal` is one of many imports.
+    # clears its locks in callbacks whose exceptions go nowhere. `signal` itself has imports.
     if sys.platform != "win32":
         import _signal
 
