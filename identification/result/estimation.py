@@ -98,7 +98,8 @@ def solve(
     """
     ends = []
     for number, start in enumerate(points):
-        inner = progress.part(0.0, 0.6, f"start {number + 1} of {len(points)}")
+        begin, end = (0.6 * each / len(points) for each in (number, number + 1))
+        inner = progress.part(begin, end, f"start {number + 1} of {len(points)}")
         ends.append(problem.minimise(start, iterations=15, decrement=1.0, progress=inner))
     if not ends:
         raise FloatingPointError(
