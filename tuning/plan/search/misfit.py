@@ -312,7 +312,7 @@ def _joined(first: Followed, others: Followed) -> Followed:
 
 def _in_rows(
     shape: tuple[int, int], pairs: Sequence[tuple[np.ndarray, np.ndarray]]
-) -> Float[np.ndarray, "motions residuals splines+1"]:
+) -> Float[np.ndarray, "motions residuals columns"]:
     """Residuals with their derivatives by all splines, one behind the other."""
     motions, count = shape
     sizes = [value[0].size for value, _ in pairs]
