@@ -71,7 +71,7 @@ def identifiers(findings: tuple[Finding, ...], wanted: str) -> list[str]:
 @pytest.mark.parametrize(
     "slip",
     [
-        pytest.param(slip, marks=[pytest.mark.slow] if number % 2 else [])
+        pytest.param(slip, marks=[pytest.mark.slow] if number % 4 else [])
         for number, slip in enumerate(QUICK)
     ],
 )
