@@ -180,10 +180,10 @@ def plan_page(
         pictures=[
             Pictures()(
                 leg(compared, leg_time=float(plan.time[-1]), voltage_limit=voltage_limit),
-                "The leg on the fitted robot: the distance covered along the straight line, the "
-                "distance from the target around the end of the reference (dotted), and the "
-                "commands of both drives. Lower right: the vibration after the leg on robots "
-                "that differ from it.",
+                "The leg on the fitted robot: the distance covered along the straight line, "
+                "the distance from the target around the end of the reference (dotted), and "
+                "the commands of both drives. Lower right: the vibration after the leg on "
+                "robots that differ from it.",
             ),
         ],
         method=_METHOD,
