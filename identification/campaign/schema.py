@@ -121,6 +121,7 @@ class CameraSigmaTable(_Table):
 
     x_e: PositiveMetres | None = Field(None, examples=["0.05 mm"])
     y_e: PositiveMetres | None = Field(None, examples=["0.05 mm"])
+    y_e_offset: PositiveMetres | None = Field(None, examples=["0.05 mm"])
     delta_e: PositiveRadians | None = Field(None, examples=["0.2 mrad"])
     q_3: PositiveMetres | None = Field(None, examples=["0.05 mm"])
     q_4: PositiveMetres | None = Field(None, examples=["0.05 mm"])

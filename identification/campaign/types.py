@@ -13,6 +13,8 @@ from scdpr_jax.robot.stated.units import si
 
 CAMERA_COORDINATES: tuple[str, ...] = ("x_e", "delta_e", "q_3", "q_4", "y_e")
 """Columns of a camera's stream, in the order of the model's coordinates."""
+HEIGHT_OFFSET = "y_e_offset"
+"""Key beside these of a run's own camera: what is the same in all frames of `y_e`."""
 KINDS: tuple[str, ...] = (
     "torque_step",
     "breakaway",
@@ -143,7 +145,8 @@ class Run:
     in_motion: bool = False
     """Whether it begins in motion, so that its start velocities are estimated."""
     camera_sigma: dict[str, float] = dataclasses.field(default_factory=dict)
-    """Standard deviations of its camera's columns that aren't the campaign's [m, rad]."""
+    """Standard deviations of its camera's columns that aren't the campaign's [m, rad]; under
+    `HEIGHT_OFFSET` the part of y_e's that is the same in all frames [m]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -174,6 +177,18 @@ class Sensors:
         usual["delta_e"] = self.camera_angle_sigma
         own = usual | run.camera_sigma
         return np.array([own[name] for name in CAMERA_COORDINATES])
+
+    @staticmethod
+    def height_offset(run: Run) -> float:
+        """What a run's camera may have every height off by alike.
+
+        Args:
+            run: The run.
+
+        Returns:
+            Its standard deviation [m]; 0 where the run states none.
+        """
+        return run.camera_sigma.get(HEIGHT_OFFSET, 0.0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)

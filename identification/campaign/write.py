@@ -24,7 +24,6 @@ from identification.campaign.streams import (
 from identification.campaign.tables.columns import drive_columns
 from identification.campaign.tables.document import FORMAT
 from identification.campaign.types import (
-    CAMERA_COORDINATES,
     AccelerometerStream,
     CameraStream,
     Campaign,
@@ -151,7 +150,7 @@ def camera_sigma_table(name: str, sigma: Mapping[str, float]) -> list[str]:
         The table's lines.
     """
     key = name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else toml_text(name)
-    units = dict.fromkeys(CAMERA_COORDINATES, "mm") | {"delta_e": "mrad"}
+    units = dict.fromkeys(sigma, "mm") | {"delta_e": "mrad"}
     entries = [
         f'{column} = "{_thousandths(value)} {units[column]}"' for column, value in sigma.items()
     ]

@@ -20,6 +20,7 @@ from identification.data.circumstances import Prior, prior
 from identification.data.start import CLOCK_MARGIN, Clock, Start, start_pose
 from scdpr_jax.engines.stepping import Inputs
 from scdpr_jax.robot.fields import real, si
+from scdpr_jax.robot.state import HEIGHT
 
 
 class Record(eqx.Module):
@@ -110,10 +111,20 @@ class Reading:
     """Whether the cameras' clocks may drift."""
     in_motion: bool = False
     """Whether any of the runs begins in motion."""
+    sharing: int = 2
+    """How many sums of frames may have their heights off by the same: the start's and the
+    motion's of each run that states so."""
 
 
 def record(run: Run, clock: Clock, sensors: Sensors, reading: Reading) -> Record:
-    """The run as arrays.
+    r"""The run as arrays.
+
+    What a camera has all heights off by alike, $b$, is no noise: were the $n$ frames' heights
+    taken for independent, they would tell the height $\sqrt n$ times too well, and with it the
+    stiffness. What else heights tell, the encoders tell better, so each frame's variance is
+    grown by $n b^2$, and they tell the height as well together as one frame does. Where $k$
+    such sums are off by the same, as of runs before one camera, each is taken to be off by
+    $\sqrt k b$ by itself, which is never too little.
 
     Args:
         run: A run with the cable on.
@@ -132,9 +143,12 @@ def record(run: Run, clock: Clock, sensors: Sensors, reading: Reading) -> Record
     share = readings(run.drive.angle)
     stamps, frame = _camera(run, clock.offset)
     margin = CLOCK_MARGIN if run.clock_offset is None or reading.clock_drifts else 0.0
-    start = _start(run, clock.offset, sensors, reading)
+    shared = np.sqrt(reading.sharing) * sensors.height_offset(run)
+    start = _start(run, clock.offset, sensors, reading, height_offset=shared)
     inside = (stamps > start.until) & (stamps <= time[-1] - margin)
     seen = np.isfinite(frame) & inside[:, None]
+    sigma = sensors.of_camera(run)
+    sigma[HEIGHT] = np.hypot(sigma[HEIGHT], np.sqrt(seen[:, HEIGHT].sum()) * shared)
     return Record(
         inputs=Inputs(np.diff(time), run.drive.voltage[:-1], _knocked(run, time)),
         angle=run.drive.angle - run.drive.angle[0],
@@ -142,7 +156,7 @@ def record(run: Run, clock: Clock, sensors: Sensors, reading: Reading) -> Record
         angle_share=share,
         frame_time=stamps,
         frame=np.where(seen, frame, 0.0),
-        frame_weight=seen / sensors.of_camera(run),
+        frame_weight=seen / sigma,
         prior=prior(
             run,
             start,
@@ -153,11 +167,13 @@ def record(run: Run, clock: Clock, sensors: Sensors, reading: Reading) -> Record
     )
 
 
-def _start(run: Run, offset: float, sensors: Sensors, reading: Reading) -> Start:
+def _start(
+    run: Run, offset: float, sensors: Sensors, reading: Reading, *, height_offset: float
+) -> Start:
     height, radius = reading.height, reading.radius
     if run.in_motion:
         return start_in_motion(run, offset, sensors, height=height, radius=radius)
-    return start_pose(run, offset, sensors, height)
+    return start_pose(run, offset, sensors, height, height_offset=height_offset)
 
 
 def stacked(

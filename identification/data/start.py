@@ -58,7 +58,9 @@ class Start:
     `identification.data.circumstances.BEGINNING`; None for one that begins at rest."""
 
 
-def start_pose(run: Run, offset: float, sensors: Sensors, height: float) -> Start:
+def start_pose(
+    run: Run, offset: float, sensors: Sensors, height: float, *, height_offset: float = 0.0
+) -> Start:
     """Start of a run: from the camera while nothing moves, else as it was noted.
 
     Args:
@@ -66,6 +68,7 @@ def start_pose(run: Run, offset: float, sensors: Sensors, height: float) -> Star
         offset: Camera time minus drive time, as far as it is known [s].
         sensors: The sensors' noise.
         height: Height of the frame [m].
+        height_offset: Standard deviation of what all heights may be off by alike [m].
 
     Returns:
         Start and its standard deviations.
@@ -73,7 +76,7 @@ def start_pose(run: Run, offset: float, sensors: Sensors, height: float) -> Star
     Raises:
         ValueError: If nothing tells where the run started.
     """
-    seen = _seen_at_rest(run, offset, sensors)
+    seen = _seen_at_rest(run, offset, sensors, height_offset)
     if seen is not None:
         return seen
     if run.initial is None:
@@ -105,7 +108,9 @@ def rest_until(run: Run) -> float:
     return float(min(first, run.knock.start if run.knock is not None else np.inf))
 
 
-def _seen_at_rest(run: Run, offset: float, sensors: Sensors) -> Start | None:
+def _seen_at_rest(
+    run: Run, offset: float, sensors: Sensors, height_offset: float
+) -> Start | None:
     if run.camera is None:
         return None
     margin = CLOCK_MARGIN if run.clock_offset is None else 0.0
@@ -116,7 +121,7 @@ def _seen_at_rest(run: Run, offset: float, sensors: Sensors) -> Start | None:
         return None
     return Start(
         np.nanmean(frames, axis=0),
-        sensors.of_camera(run)[LOWER:] / np.sqrt(count),
+        np.hypot(sensors.of_camera(run)[LOWER:] / np.sqrt(count), [0.0, 0.0, height_offset]),
         rest_until(run) - margin - run.drive.time[0],
     )
 

@@ -85,6 +85,7 @@ class Logs:
                     radius=radius,
                     clock_drifts=clock_drifts,
                     in_motion=any(run.in_motion for run in runs),
+                    sharing=2 * sum(sensors.height_offset(run) > 0 for run in with_cable),
                 ),
             )
             duration = np.asarray(records.inputs.duration)

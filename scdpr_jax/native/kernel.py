@@ -144,10 +144,23 @@ store double %x, ptr %there, align 8"""
 %own{lane} = call i64 @llvm.smin.i64(i64 %wanted{lane}, i64 %last)
 %team{lane} = udiv i64 %own{lane}, %team
 %robot{lane} = urem i64 %own{lane}, %team"""
+        for own in self.arrays:
+            if own.rows or own.result:
+                yield from self._places_of(own)
         yield f"%parts.wide = add i64 %tangents, {MOST_TANGENTS - 1}"
         yield f"%parts = sdiv i64 %parts.wide, {MOST_TANGENTS}"
         yield from loop("part", "%parts", self._part())
         yield "ret void\n}"
+
+    def _places_of(self, own: Array) -> Iterator[str]:
+        """Where an array has what is each lane's."""
+        for lane in range(self.lanes):
+            tag = f"{own.name}.{lane}"
+            yield f"""\
+%{tag}.team = mul i64 %team{lane}, %{own.name}.team
+%{tag}.robot = mul i64 %robot{lane}, %{own.name}.robot
+%{tag}.far = add i64 %{tag}.team, %{tag}.robot
+%{tag}.place = getelementptr double, ptr %{own.name}.data, i64 %{tag}.far"""
 
     def _part(self) -> Iterator[str]:
         """All steps with some of the tangents."""
@@ -205,12 +218,8 @@ store double %x, ptr %there, align 8"""
 %{tag}.both = add i64 %{tag}.far, %{tag}.tangent
 %{tag}.here = getelementptr [{size} x double], ptr %{own.local}, i64 %{tag}.p"""
         for lane in range(self.lanes):
-            yield f"""\
-%{tag}.team{lane} = mul i64 %team{lane}, %{own.name}.team
-%{tag}.robot{lane} = mul i64 %robot{lane}, %{own.name}.robot
-%{tag}.lane{lane} = add i64 %{tag}.team{lane}, %{tag}.robot{lane}
-%{tag}.sum{lane} = add i64 %{tag}.lane{lane}, %{tag}.both
-%{tag}.base{lane} = getelementptr double, ptr %{own.name}.data, i64 %{tag}.sum{lane}"""
+            place = f"%{own.name}.{lane}.place"
+            yield f"%{tag}.base{lane} = getelementptr double, ptr {place}, i64 %{tag}.both"
         for cell in range(own.size):
             yield f"%{tag}.cell{cell} = mul i64 {cell}, {apart}"
             for lane in range(self.lanes):

@@ -57,8 +57,8 @@ class Damping:
     most: float = math.inf
     """Damping above which no step is tried: it would lead nowhere [1]."""
     abreast: int = 1
-    """How many dampings are tried at once after a step that didn't help: where evaluations are
-    made side by side, those in a row that don't help cost little more than one."""
+    """How many dampings are tried at once at the most, as many as didn't help in a row before:
+    for evaluations that are made side by side."""
     floor: float = 0.0
     r"""Share of the trace of $M$ that is added to each element of $D$ [1]: damps a direction
     that moves almost nothing."""
@@ -278,7 +278,7 @@ def _weights(
     weight: float, rejections: int, damping: Damping, stopping: Stopping, evaluations: int
 ) -> Float[np.ndarray, " tried"]:
     """The dampings that are tried at once: those that follow where none of them helps."""
-    most = [damping.abreast if rejections else 1]
+    most = [min(max(rejections, 1), damping.abreast)]
     if stopping.rejections is not None:
         most.append(stopping.rejections - rejections)
     if stopping.evaluations is not None:
@@ -287,6 +287,27 @@ def _weights(
     for further in range(1, min(most)):
         weights.append(damping.raised(weights[-1], rejections + further))
     return np.array(weights)
+
+
+def settled(minimum: Minimum[AMerit], lower: Point) -> Minimum[AMerit]:
+    """A minimum after the step that promised too little to be evaluated.
+
+    It costs nothing, and leaves of the distance what its square is: two searches of the same
+    minimum end at the same point to some ten digits, by whichever way they came.
+
+    Args:
+        minimum: Where a search ended.
+        lower: Its lower bounds.
+
+    Returns:
+        The minimum with its point moved, its merit and model as they were; the same where the
+        search didn't converge.
+    """
+    if minimum.ended != "converged":
+        return minimum
+    undamped = np.array([_REGULAR])
+    (step,), _ = _steps(minimum.normal, minimum.point, lower, undamped, 0.0)
+    return dataclasses.replace(minimum, point=np.maximum(minimum.point + step, lower))
 
 
 def free_unknowns(normal: Merit, point: Point, lower: Point) -> Bool[np.ndarray, " n"]:

@@ -96,10 +96,12 @@ def _state(out: pathlib.Path, tracked: "Tracked") -> None:
     from identification.campaign.extend import state_camera
     from identification.campaign.read import CAMPAIGN_FILE
     from identification.campaign.streams import CAMERA_FILE
+    from identification.campaign.types import HEIGHT_OFFSET
     from identification.campaign.write import camera_sigma_table
     from identification.vision.camera_file import rounded
 
-    sigma = rounded(tracked.sigma.columns)
+    offset = {HEIGHT_OFFSET: tracked.sigma.common["y_e"]}
+    sigma = rounded(tracked.sigma.columns | offset)
     run = out.resolve().parent
     if out.name == CAMERA_FILE and state_camera(run.parent, run.name, sigma):
         say(f"stated in {run.parent / CAMPAIGN_FILE}, by which a fit weighs this run's camera")

@@ -148,7 +148,7 @@ def _search(base: Examination, without: Collection[str] = ()) -> list[Explanatio
             continue
         # What is worse than the three best ones by the margin of an alternative is neither
         # told nor followed by a second slip: it needn't be known how much worse.
-        best = sorted(each.left for each in found)[:BEST]
+        best = sorted({each.rank for each in found})[:BEST]
         enough = best[-1] + MARGIN if len(best) == BEST else math.inf
         after = examination(undone.case, base, enough=enough)
         left = after.severity + VANISHED * _vanished(base, after, slip)
@@ -176,7 +176,9 @@ def _gained(examination: Examination) -> set[str]:
 def _pairs(first: list[Explanation]) -> list[Explanation]:
     """The best second slip after each of the three best first ones, beside single ones."""
     found = list(first)
-    for start in first[:BEST]:
+    # Drives 1 and 2 often leave the same: what leaves as much as another is followed once.
+    starts = {each.rank: each for each in reversed(first)}
+    for start in [starts[rank] for rank in sorted(starts)[:BEST]]:
         found += [
             Explanation(
                 then.left + (PRICE if then.left > 0 else SURE),

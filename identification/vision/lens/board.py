@@ -18,6 +18,8 @@ MOST_RMS = 0.3
 _LEAST_PHOTOS = 5
 _SMALL = 1000
 _SIGNIFICANT = 3.0
+_STRANGE = 5.0  # times what corners are off by in the others
+_OF_STRANGERS = 5  # photos, of which one may be strange
 
 
 def calibrate(
@@ -55,8 +57,9 @@ def calibrate(
         found.append(corners)
         if corners is not None:
             colours.append(blue_less_red(picture, corners, np.array(size) / 2))
-    corners = [each for each in found if each is not None]
     without = [photo.name for photo, each in zip(photos, found, strict=True) if each is None]
+    seen = [k for k, each in enumerate(found) if each is not None]
+    corners = [found[k] for k in seen]
     across, down = inner_corners
     if len(corners) < _LEAST_PHOTOS:
         raise ValueError(
@@ -65,6 +68,8 @@ def calibrate(
             "between four squares, not the squares, and correct `inner_corners`; or take "
             "photos with the whole board in them, sharp, and a white rim around it."
         )
+    strange = _strangers(corners, inner_corners, square, size)
+    corners = [each for k, each in enumerate(corners) if k not in strange]
     lens = _fitted(corners, inner_corners, square, size)
     if lens.rms > MOST_RMS:
         raise ValueError(
@@ -73,10 +78,13 @@ def calibrate(
             "the focus and zoom of the video? Leave out the blurred ones."
         )
     lens = dataclasses.replace(lens, lateral=float(np.median(colours)))
-    notes = ()
+    notes = []
     if without:
-        notes = (f"no board of {across} x {down} corners in {', '.join(without)}: not used",)
-    return lens, notes
+        notes.append(f"no board of {across} x {down} corners in {', '.join(without)}: not used")
+    if strange:
+        names = ", ".join(photos[seen[k]].name for k in strange)
+        notes.append(f"corners that aren't where the others have them in {names}: not used")
+    return lens, tuple(notes)
 
 
 def _check_size(
@@ -119,6 +127,36 @@ def _corners(
     return np.asarray(fine, np.float32).reshape(-1, 1, 2)
 
 
+def _strangers(
+    corners: Sequence[Float32[np.ndarray, "corners 1 2"]],
+    inner_corners: tuple[int, int],
+    square: float,
+    size: tuple[int, int],
+) -> list[int]:
+    """A few photos of many in which corners were taken for others.
+
+    At the picture's edge a square is cut off, and OpenCV takes its neighbour's corner.
+    """
+    strange: list[int] = []
+    for _ in range(min(len(corners) // _OF_STRANGERS, len(corners) - _LEAST_PHOTOS)):
+        kept = [k for k in range(len(corners)) if k not in strange]
+        boards = [_board(inner_corners, square)] * len(kept)
+        views = [corners[k] for k in kept]
+        result = opencv().calibrateCameraExtended(boards, views, size, None, None)
+        errors = np.ravel(result[7])
+        if errors.max() < max(MOST_RMS, _STRANGE * float(np.median(errors))):
+            break
+        strange.append(kept[int(np.argmax(errors))])
+    return strange
+
+
+def _board(inner_corners: tuple[int, int], square: float) -> Float32[np.ndarray, "corners 3"]:
+    across, down = inner_corners
+    board = np.zeros((across * down, 3), np.float32)
+    board[:, :2] = square * np.mgrid[:across, :down].T.reshape(-1, 2)
+    return board
+
+
 def _fitted(
     corners: Sequence[Float32[np.ndarray, "corners 1 2"]],
     inner_corners: tuple[int, int],
@@ -126,10 +164,7 @@ def _fitted(
     size: tuple[int, int],
 ) -> Lens:
     cv2 = opencv()
-    across, down = inner_corners
-    board = np.zeros((across * down, 3), np.float32)
-    board[:, :2] = square * np.mgrid[:across, :down].T.reshape(-1, 2)
-    boards = [board] * len(corners)
+    boards = [_board(inner_corners, square)] * len(corners)
     result = cv2.calibrateCameraExtended(boards, corners, size, None, None)
     k3, error = np.ravel(result[2])[4], np.ravel(result[5])[8]
     flags = 0 if abs(k3) > _SIGNIFICANT * error else cv2.CALIB_FIX_K3

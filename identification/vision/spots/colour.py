@@ -8,8 +8,8 @@ from jaxtyping import Float64, UInt8
 
 from identification.vision.pictures.opencv import opencv
 from identification.vision.settings.document import Colour
-from identification.vision.spots.disc import Shape, measure, stored
-from identification.vision.spots.look import MOST_HIDDEN, Look, Picture, Sighting
+from identification.vision.spots.disc import Disc, Shape, measure, stored
+from identification.vision.spots.look import MOST_HIDDEN, Look, Picture, Sighting, Travel
 
 _HUES = 256 / (2 * math.pi)
 _MOST_STRETCHED = 2.5
@@ -29,7 +29,12 @@ class ColouredDisc(Look):
     """Its colour."""
 
     def at(
-        self, picture: Picture, near: Float64[np.ndarray, " 2"], shape: Shape, reach: float
+        self,
+        picture: Picture,
+        near: Float64[np.ndarray, " 2"],
+        shape: Shape,
+        reach: float,
+        travel: Travel | None = None,
     ) -> Sighting | None:
         """The disc whose patch of colour is the nearest of those that are large enough."""
         half = np.sqrt((shape.axes**2).sum(axis=1)) + np.abs(shape.travel) / 2 + reach + 2
@@ -44,12 +49,15 @@ class ColouredDisc(Look):
         for inside in sorted(found, key=lambda each: float(np.hypot(*(low + each - near)))):
             if np.abs(low + inside - near).max() > reach + 0.5 * shape.radius:
                 break
-            seen = _measured(picture, low + inside, shape)
+            moving = shape
+            if travel is not None:
+                moving = dataclasses.replace(shape, travel=travel(low + inside))
+            seen = _measured(picture, low + inside, moving)
             if seen is None or seen.misfit > _POOR:
                 # It may move otherwise than was thought.
-                travel = _travel(mask, inside, shape)
-                for share in () if travel is None else _TRAVELS:
-                    moving = dataclasses.replace(shape, travel=share * travel)
+                path = _path(mask, inside, shape)
+                for share in () if path is None else _TRAVELS:
+                    moving = dataclasses.replace(shape, travel=share * path)
                     other = _measured(picture, low + inside, moving)
                     if seen is None or (other is not None and other.misfit < seen.misfit):
                         seen = other
@@ -72,7 +80,7 @@ class ColouredDisc(Look):
         level = np.round(stored(disc.colour)).astype(np.uint8).reshape(1, 1, 3)
         if not coloured(level, self.colour).any():
             return None
-        return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit, disc.variance)
+        return _sighting(disc, shape)
 
     def places(
         self, picture: Picture, least: float, most: float
@@ -119,12 +127,16 @@ def _measured(
     picture: Picture, near: Float64[np.ndarray, " 2"], shape: Shape
 ) -> Sighting | None:
     disc = measure(picture, near, shape)
-    if disc is None:
-        return None
-    return Sighting(disc.centre, disc.scale, disc.hidden, disc.misfit, disc.variance)
+    return None if disc is None else _sighting(disc, shape)
 
 
-def _travel(
+def _sighting(disc: Disc, shape: Shape) -> Sighting:
+    return Sighting(
+        disc.centre, disc.scale, disc.hidden, disc.misfit, disc.variance, shape.travel
+    )
+
+
+def _path(
     mask: UInt8[np.ndarray, "height width"], inside: Float64[np.ndarray, " 2"], shape: Shape
 ) -> Float64[np.ndarray, " 2"] | None:
     r"""The path during the exposure by which a disc's patch of colour is longer than wide.

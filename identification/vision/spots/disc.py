@@ -39,10 +39,9 @@ _LIMIT = 0.35  # share: noise has 0.1, another thing 0.5 and more
 _MARGIN = 2.6  # blurs: 1 % of the edge's light is farther out
 _CLOSE = 3e-3  # px
 _LEAST_AMPLITUDE = 0.2
-_PIECES = 12
-"""Pieces of a disc's edge that are off independently of each other."""
-_ROUND_FITTED = 3
-"""Numbers that are fitted along the edge: both coordinates and the size."""
+_PAIRS = 6
+"""Pairs of opposite pieces of a disc's edge that are off independently of each other."""
+_OF_PAIRS = 1.5  # a fit leaves less of their pulls than there was
 _SQRT_TAU = np.sqrt(2 * np.pi)
 
 
@@ -134,9 +133,9 @@ def measure(
         if turn > 1 and np.abs(move[:2]).max() < _CLOSE:
             break
     angle = np.arctan2(y - centre[1], x - centre[0])
-    variance = (
-        _variance(model, scaled, share - fitted, angle) / max(step[3], _LEAST_AMPLITUDE) ** 2
-    )
+    path = math.atan2(*shape.travel[::-1])
+    unit = _variance(model, scaled, share - fitted, angle - path, path)
+    variance = unit / max(step[3], _LEAST_AMPLITUDE) ** 2
     return _judged(share, fitted, off, cover, reach, centre, scale, colours, variance)
 
 
@@ -145,18 +144,25 @@ def _variance(
     scaled: Float64[np.ndarray, "5 pixels"],
     error: Float64[np.ndarray, " pixels"],
     angle: Float64[np.ndarray, " pixels"],
+    path: float,
 ) -> Float64[np.ndarray, " 2"]:
     """Variance of a disc's place by what its pixels are off by.
 
     Neighbouring pixels are off together: a Bayer pattern's colours and a codec's blocks are
-    interpolated over several. So the pull of each piece of the edge is taken as a whole, and
-    the pieces for independent. To take the pixels for independent would be simpler, and says
-    half of it.
+    interpolated over several. So the pull of each piece of the edge is taken as a whole, with
+    that of the piece across: what a blur or a path is off by does the same to both, and moves
+    nothing. What an acceleration does moves the disc along its path alone, so across it the
+    pieces on both of its sides go together. To take the pixels for independent would be
+    simpler, and says half of it.
     """
-    piece = np.minimum(((angle + np.pi) * (_PIECES / (2 * np.pi))).astype(int), _PIECES - 1)
-    pulls = np.stack([np.bincount(piece, row, _PIECES) for row in scaled * error])
-    moved = np.linalg.solve(scaled @ model.T + 1e-9 * np.eye(5), pulls)
-    return (moved[:2] ** 2).sum(axis=1) * (_PIECES / (_PIECES - _ROUND_FITTED))
+    pair = np.floor(angle * (_PAIRS / np.pi)).astype(int) % _PAIRS
+    pulls = np.stack([np.bincount(pair, row, _PAIRS) for row in scaled * error])
+    moved = np.linalg.solve(scaled @ model.T + 1e-9 * np.eye(5), pulls)[:2]
+    turn = np.array([[math.cos(path), math.sin(path)], [-math.sin(path), math.cos(path)]])
+    along, across = turn @ moved
+    across = across[: _PAIRS // 2] + across[: _PAIRS // 2 - 1 : -1]
+    squares = np.array([along @ along, across @ across])
+    return _OF_PAIRS * (turn.T**2 @ squares)
 
 
 def _judged(
@@ -224,15 +230,17 @@ def _coverage(
         # In radii over the blur: the edge is where the length is 1 / blur.
         p, q = a * dx + b * dy, c * dx + d * dy
         length = np.sqrt(p * p + q * q) + 1e-12
-        along_x, along_y = (a * p + c * q) / length, (b * p + d * q) / length
+        along_x, along_y = a * p + c * q, b * p + d * q
         # In the very middle no direction leads to the edge.
-        steep = np.maximum(np.hypot(along_x, along_y) * shape.blur, 1e-9)
-        inside = (scale / shape.blur - length) / steep
-        bell = np.exp(-0.5 * inside * inside) / (_SQRT_TAU * steep)
+        steep = np.maximum(np.sqrt(along_x * along_x + along_y * along_y) / length, 1e-9)
+        inside = (scale / shape.blur - length) / (steep * shape.blur)
+        bell = np.exp(-0.5 * inside * inside) / steep
         total[0] += ndtr(inside)
-        total[1] += bell * along_x
-        total[2] += bell * along_y
-        total[3] += bell / shape.blur
+        total[1] += bell / length * along_x
+        total[2] += bell / length * along_y
+        total[3] += bell
+    total[1:] /= _SQRT_TAU * shape.blur
+    total[3] /= shape.blur
     total /= count
     cover, *slopes = total
     # How near the edge is, by the bell: it says so for a disc that moves, too.

@@ -17,7 +17,7 @@ from identification.vision.spots.bodies import (
     rigid_pose,
 )
 from identification.vision.spots.disc import Shape
-from identification.vision.spots.look import Look, Picture, Sighting
+from identification.vision.spots.look import Picture, Sighting
 from identification.vision.spots.marks import STILL, Start, look_of, mark_places
 from identification.vision.spots.trail import Trail
 
@@ -160,11 +160,17 @@ class Follower:
         alone = self._alone[k]
         if alone and not np.isfinite(trail.mean_velocity[0]) and trail.time > 0:
             reach += _FASTEST * (time - trail.time) * self._scale
-        sighting = self._looks[k].at(picture, near, shape, reach)
+
+        def travel_at(pixel: Float64[np.ndarray, " 2"]) -> Float64[np.ndarray, " 2"]:
+            return trail.velocities(pixel, time)[1] * self.vision.time.exposure
+
+        # Its patch of colour tells how fast it goes well enough, if it was seen just before.
+        told = travel_at if np.isfinite(trail.velocities(near, time)[0][0]) else None
+        sighting = self._looks[k].at(picture, near, shape, reach, told)
         if sighting is None:
             return None
-        travel = trail.velocities(sighting.centre, time)[1] * self.vision.time.exposure
-        if np.abs(travel - shape.travel).max() > _OTHER_TRAVEL:
+        travel = travel_at(sighting.centre)
+        if np.abs(travel - sighting.travel).max() > _OTHER_TRAVEL:
             # It goes faster or slower than it was expected to, so its blur is another.
             shape = dataclasses.replace(shape, travel=travel)
             again = self._looks[k].at(picture, sighting.centre, shape, _REACH)
@@ -243,7 +249,10 @@ class Follower:
         self, picture: Picture, body: str, members: Sequence[int], seen: list[Sighting | None]
     ) -> None:
         """Look for a body that is lost, in the whole picture."""
-        found = {k: self._candidates(picture, k, self._looks[k]) for k in members}
+        found: dict[int, list[Candidate]] = {}
+        for k in members:
+            twin = next((j for j in found if self._alike(j, k)), None)
+            found[k] = self._candidates(picture, k) if twin is None else found[twin]
         there = {k: candidates for k, candidates in found.items() if candidates}
         if len(there) < (2 if body == "end_effector" else 1):
             return
@@ -251,14 +260,20 @@ class Follower:
             seen[k] = candidate.sighting
             self._begin(k)
 
-    def _candidates(self, picture: Picture, k: int, look: Look) -> list[Candidate]:
+    def _alike(self, first: int, second: int) -> bool:
+        """Whether nothing in a picture tells two markers from each other."""
+        one, other = self.vision.markers[first], self.vision.markers[second]
+        same = (one.diameter, one.depth) == (other.diameter, other.depth)
+        return same and self._looks[first] == self._looks[second]
+
+    def _candidates(self, picture: Picture, k: int) -> list[Candidate]:
         middle = np.array(picture.shape[1::-1]) / 2
         radius = self._shape(k, middle).radius
         # Chroma of half of the pixels colours the ground around a disc, and so does its path.
         least, most = _SMALLER * np.pi * radius**2, _LARGER * np.pi * (radius + _FRAYED) ** 2
         candidates = []
-        for pixel in look.places(picture, least, most):
-            sighting = look.at(picture, pixel, self._shape(k, pixel), _REACH)
+        for pixel in self._looks[k].places(picture, least, most):
+            sighting = self._looks[k].at(picture, pixel, self._shape(k, pixel), _REACH)
             if sighting is None or self._is_strange(sighting) or not sighting.is_whole:
                 continue
             place = self._places([sighting.centre], [k])[0]

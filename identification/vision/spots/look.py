@@ -2,6 +2,7 @@
 
 import abc
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float64, UInt8
@@ -9,6 +10,8 @@ from jaxtyping import Float64, UInt8
 from identification.vision.spots.disc import Shape
 
 Picture = UInt8[np.ndarray, "height width 3"]
+Travel = Callable[[Float64[np.ndarray, " 2"]], Float64[np.ndarray, " 2"]]
+"""Path during the exposure of what is seen at a place [px]."""
 
 MOST_HIDDEN = 0.02
 """Share of a disc that may be another colour for it to count as whole [1]."""
@@ -30,6 +33,8 @@ class Sighting:
         default_factory=lambda: np.full(2, np.nan)
     )
     """Of its centre's coordinates by its own picture; NaN where that doesn't tell [px²]."""
+    travel: Float64[np.ndarray, " 2"] = dataclasses.field(default_factory=lambda: np.zeros(2))
+    """Path during the exposure that it was taken to have [px]."""
 
     @property
     def is_whole(self) -> bool:
@@ -42,7 +47,12 @@ class Look(abc.ABC):
 
     @abc.abstractmethod
     def at(
-        self, picture: Picture, near: Float64[np.ndarray, " 2"], shape: Shape, reach: float
+        self,
+        picture: Picture,
+        near: Float64[np.ndarray, " 2"],
+        shape: Shape,
+        reach: float,
+        travel: Travel | None = None,
     ) -> Sighting | None:
         """Find it where it is expected.
 
@@ -51,6 +61,7 @@ class Look(abc.ABC):
             near: Where it is expected [px].
             shape: Its shape there.
             reach: How far from there it may be [px].
+            travel: Its path, where that depends on its place; the shape's if not stated.
 
         Returns:
             It, if it is there.

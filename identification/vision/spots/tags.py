@@ -9,7 +9,7 @@ from jaxtyping import Float64, UInt8
 
 from identification.vision.pictures.opencv import opencv
 from identification.vision.spots.disc import Shape
-from identification.vision.spots.look import Look, Picture, Sighting
+from identification.vision.spots.look import Look, Picture, Sighting, Travel
 
 _QUIET = 4
 _TIMES = 2
@@ -26,7 +26,12 @@ class Tag(Look):
     """The dictionary's name, like "4X4_50"."""
 
     def at(
-        self, picture: Picture, near: Float64[np.ndarray, " 2"], shape: Shape, reach: float
+        self,
+        picture: Picture,
+        near: Float64[np.ndarray, " 2"],
+        shape: Shape,
+        reach: float,
+        travel: Travel | None = None,
     ) -> Sighting | None:
         """The tag, in a piece of the picture about its place."""
         half = 2.5 * shape.radius + np.abs(shape.travel).max() + reach + _QUIET

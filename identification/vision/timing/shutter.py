@@ -3,10 +3,10 @@ r"""Where markers were at their picture's time, though each row has its own.
 A rolling shutter exposes a picture's rows one after the other, the first and the last some
 10 ms from the middle one, in which a fast marker goes a centimetre. Each marker is measured
 at its own row's time $t_k + o(v_k)$; a polynomial through it and its neighbours tells where
-it was at $t_k$: the fourth order through five points, which follows the robot's vibration of
-up to 8 Hz at 30 pictures a second. A velocity from two neighbours would be simpler, and is off
-by $a o^2 / 2$, 0.3 mm at 10 m/s². At the ends of a track, where the polynomial would reach
-out of its points, it is of second order.
+it was at $t_k$: the sixth order through seven points, which follows a vibration of up to 9 Hz
+at 30 pictures a second. A velocity from two neighbours would be simpler, and is off by
+$a o^2 / 2$, 0.3 mm at 10 m/s². At the ends of a track, where the polynomial reaches out of
+its points, it is of third order.
 """
 
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 from jaxtyping import Float64, Int
 
-_SIDES = 2
+_SIDES = 3
 _APART = 5.0
 _TIMELESS = 2e-4
 _OF_LINE = 0.3
@@ -33,7 +33,7 @@ def interpolation_error(
         wanted: When it is wanted [s].
 
     Returns:
-        The difference in each direction; NaN where there is no value.
+        The difference along each direction; NaN where there is no value.
     """
     error = np.full_like(values, np.nan)
     for k, chosen in _told_by(values, measured, wanted):
@@ -44,7 +44,7 @@ def interpolation_error(
         fewer = np.delete(chosen, np.argmax(np.abs(measured[chosen] - wanted[k])))
         less = lagrange(measured[fewer], wanted[k]) @ values[fewer]
         # A line through two is far worse than the parabola that it stands for.
-        error[k] = np.abs(whole - less) * (_OF_LINE if len(fewer) == 2 else 1)
+        error[k] = (whole - less) * (_OF_LINE if len(fewer) == 2 else 1)
     return error
 
 
@@ -101,7 +101,7 @@ def _neighbours(
     measured: Float64[np.ndarray, " frames"],
     interval: float,
 ) -> Int[np.ndarray, " chosen"]:
-    """Two samples on each side; three in all where one side has none."""
+    """Three samples on each side."""
     k = good[place]
     before = [
         j

@@ -8,6 +8,7 @@ from identification.vision.timing.shutter import at_frame_times
 
 _SIGNIFICANT = 4.0
 _LEAST = 3
+_ROUNDS = 3
 
 
 def mean_marks(
@@ -53,16 +54,21 @@ def shake_of(
     """
     still = np.zeros((len(pixels), 2))
     shake = still
-    for _ in range(3):
-        apart = pixels - mean_marks(pixels[usable], shake[usable])
+    counted = np.where(usable[:, None, None], pixels, np.nan)
+    for _ in range(_ROUNDS):
+        apart = counted - mean_marks(counted[usable], shake[usable])
         shift = _means(apart)
         within = np.nanmean((apart - shift[:, None]) ** 2)
         count = max(np.isfinite(pixels[..., 0]).sum(axis=1).mean(), 1.0)
         shared = np.nanmean((shift[usable] - np.nanmean(shift[usable], axis=0)) ** 2)
         if not shared > _SIGNIFICANT * within / count:
             return still
-        rows = _means(pixels)[:, 1]
-        shake = _filled(at_frame_times(shift, clock.frames + clock.offset(rows), clock.frames))
+        # Each by its own row's time: the mean of all is that of no time.
+        at_frames = [
+            at_frame_times(own, clock.frames + clock.offset(rows), clock.frames)
+            for own, rows in zip(apart.swapaxes(0, 1), pixels[..., 1].T, strict=True)
+        ]
+        shake = _filled(_means(np.stack(at_frames, axis=1)))
     return shake
 
 

@@ -21,6 +21,7 @@ from identification.vision.lens import View
 from identification.vision.poses import Poses
 from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import of_bodies
+from identification.vision.uncertainty.columns import columns_of
 
 _LEAST_NOISE = 0.01  # px: where a disc lies on the pixels costs that
 _UNKNOWN = 0.1  # px: of a tag, before its body is asked
@@ -29,10 +30,8 @@ _OF_KEPT = 0.7588  # mean square of a normal deviate's smaller 95 %
 _OF_UNSURE = 0.18  # of the step from one order to the next, by rendered films
 _STANDS_OUT, _OF_KINK = 6.0, 0.8  # of the median; of the step
 _LEAST_RATIO = 1e-2
-_MOVING = 1.1  # a codec blurs along the way what neither heights nor distances show
-_BY_HEIGHT = {True: np.array([0.5, 0.7]), False: np.array([0.75, 0.75])}
-"""Weights of the carriages' heights along x and y, of the end-effector's and of other markers;
-the end-effector's distances have the rest."""
+_CODED = 1.16  # a codec smooths away what discs, heights and distances would show
+_BELIEVED = 0.6  # share of a body's word: it scatters, too, and discs alone are within a fifth
 _ORDER, _FRAMES = (
     2,
     6,
@@ -47,8 +46,8 @@ class Noise:
     """Each marker's, along x and along y [m]."""
     common: float
     """That of all markers together, in each direction, as of a tripod's shaking [m]."""
-    rows: Float64[np.ndarray, "2 markers"]
-    """By rows that have another time than their picture [m]."""
+    rows: dict[str, float]
+    """Each column's, by rows that have another time than their picture [m, rad]."""
 
 
 def noise_of(
@@ -77,11 +76,11 @@ def noise_of(
     guided = np.mean(list(_of_guided(vision, poses, expected)) or [np.nan])
     own = expected.copy()
     for k, marker in enumerate(vision.markers):
-        alone = shaken and marker.body == "end_effector"
-        weights = _BY_HEIGHT[marker.body == "end_effector"]
-        own[k] *= _MOVING**2 * _scale(rigid, np.nan if alone else guided, weights)
+        words = (rigid, guided) if marker.body == "end_effector" else (guided, rigid)
+        word = next((each for each in words if np.isfinite(each)), 0.0)
+        own[k] *= _CODED**2 * np.exp(_BELIEVED * word)
     common = _common(vision, poses, own) if shaken else 0.0
-    return Noise(np.sqrt(own).T, common, _of_rows(poses))
+    return Noise(np.sqrt(own).T, common, _of_rows(vision, poses))
 
 
 def _expected(
@@ -138,16 +137,6 @@ def _ratio(scatter: float, expected: float) -> float:
     return float(np.log(max(scatter / expected, _LEAST_RATIO)))
 
 
-def _scale(
-    rigid: float, guided: float, weights: Float64[np.ndarray, " 2"]
-) -> Float64[np.ndarray, " 2"]:
-    """By how much variances along x and y are more than discs let expect."""
-    if np.isnan(rigid) or np.isnan(guided):
-        told = [each for each in (rigid, guided) if np.isfinite(each)]
-        return np.full(2, np.exp(told[0] if told else 0.0))
-    return np.exp(weights * guided + (1 - weights) * rigid)
-
-
 def _off_body(
     poses: Poses, members: list[int]
 ) -> tuple[Float64[np.ndarray, "frames numbers"], Float64[np.ndarray, " frames"]]:
@@ -195,19 +184,18 @@ def _straight(
     return left * np.sqrt(len(values) / max(len(values) - order - 1, 1))
 
 
-def _of_rows(poses: Poses) -> Float64[np.ndarray, "2 markers"]:
-    """What rows that have another time than the picture add, root mean square [m].
+def _of_rows(vision: Vision, poses: Poses) -> dict[str, float]:
+    """What rows that have another time than the picture add, root mean square [m, rad].
 
     Most of a step from one order to the next is noise. What stands out is a kink, as where a
     torque is switched on, and there the step is no more than what it is off by.
     """
-    rows = np.zeros(poses.unsure.shape[:0:-1])
-    for axis, k in np.ndindex(rows.shape):
-        step = poses.unsure[np.isfinite(poses.places[:, k, 0]), k, axis]
-        step = step[np.isfinite(step)]
-        if len(step):
-            kink = step > _STANDS_OUT * np.median(step)
-            rows[axis, k] = np.sqrt(np.mean((np.where(kink, _OF_KINK, _OF_UNSURE) * step) ** 2))
+    rows = {}
+    for name, steps in columns_of(vision, poses.unsure).items():
+        size = np.abs(steps[np.isfinite(steps)])
+        kink = size > _STANDS_OUT * np.median(size) if len(size) else size > 0
+        off = np.where(kink, _OF_KINK, _OF_UNSURE) * size
+        rows[name] = float(np.sqrt(np.mean(off**2))) if len(size) else 0.0
     return rows
 
 

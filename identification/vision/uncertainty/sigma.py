@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from identification.vision.lens import Adjusted
-from identification.vision.poses import COLUMNS, Poses
+from identification.vision.poses import COLUMNS, OF_BODY, Poses
 from identification.vision.settings.document import Vision
 from identification.vision.spots.bodies import of_bodies
 from identification.vision.uncertainty.noise import Noise, noise_of
@@ -118,10 +118,9 @@ def _medians(
 def _of_noise(vision: Vision, body: str, members: list[int], noise: Noise) -> dict[str, float]:
     """What independent noise of a body's markers makes of its columns, and what all share."""
     along_x, along_y = (noise.own[:, members] ** 2).mean(axis=1)
-    shared_x, shared_y = (noise.rows[:, members] ** 2).mean(axis=1) + noise.common**2
+    shared = {name: noise.rows[name] ** 2 + noise.common**2 for name in OF_BODY[body]}
     if body != "end_effector":
-        name = "q_3" if body == "lower_carriage" else "q_4"
-        return {name: along_x / len(members) + shared_x}
+        return {name: along_x / len(members) + each for name, each in shared.items()}
     own = np.array([[vision.markers[k].x, vision.markers[k].y] for k in members])
     middle = own.mean(axis=0)
     arm = own - middle
@@ -129,7 +128,7 @@ def _of_noise(vision: Vision, body: str, members: list[int], noise: Noise) -> di
     inertia = (arm**2).sum()
     turn = ((arm[:, 0] ** 2).sum() * along_y + (arm[:, 1] ** 2).sum() * along_x) / inertia**2
     return {
-        "x_e": along_x / len(members) + turn * middle[1] ** 2 + shared_x,
-        "y_e": along_y / len(members) + turn * middle[0] ** 2 + shared_y,
-        "delta_e": turn,
+        "x_e": along_x / len(members) + turn * middle[1] ** 2 + shared["x_e"],
+        "y_e": along_y / len(members) + turn * middle[0] ** 2 + shared["y_e"],
+        "delta_e": turn + noise.rows["delta_e"] ** 2,
     }

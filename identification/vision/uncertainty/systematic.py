@@ -5,8 +5,8 @@ from jaxtyping import Float64
 
 from identification.vision.lens import Adjusted, View
 from identification.vision.settings.document import Vision
-from identification.vision.spots.bodies import of_bodies
 from identification.vision.spots.marks import colour_magnification
+from identification.vision.uncertainty.columns import columns_of
 
 _OF_COLOUR = 0.25  # of the correction: so well is it known
 
@@ -29,8 +29,8 @@ def systematic_variances(
     shifts.append(_by_colour(vision, view, places))
     variances: dict[str, float] = {}
     for shift in shifts:
-        for name, value in _columns(vision, shift).items():
-            variances[name] = variances.get(name, 0.0) + value**2
+        for name, values in columns_of(vision, shift).items():
+            variances[name] = variances.get(name, 0.0) + float((values**2).mean())
     return variances
 
 
@@ -59,32 +59,3 @@ def _moved(
         at = np.concatenate([places[:, k], np.full((len(places), 1), marker.depth)], axis=-1)
         shift[:, k] = other.places(view.pixels(at), marker.depth) - places[:, k]
     return np.nan_to_num(shift)
-
-
-def _columns(
-    vision: Vision, shift: Float64[np.ndarray, "samples markers 2"]
-) -> dict[str, float]:
-    """What a shift of the markers makes of the columns, root mean square over the samples."""
-    moved = {}
-    for body, members in of_bodies(vision):
-        if body == "end_effector":
-            own = np.array([[vision.markers[k].x, vision.markers[k].y] for k in members])
-            turn = _turn(own, shift[:, members])
-            at = shift[:, members].mean(axis=1)
-            middle = own.mean(axis=0)
-            moved["x_e"] = at[:, 0] + turn * middle[1]
-            moved["y_e"] = at[:, 1] - turn * middle[0]
-            moved["delta_e"] = turn
-        else:
-            name = "q_3" if body == "lower_carriage" else "q_4"
-            moved[name] = shift[:, members, 0].mean(axis=1)
-    return {name: float(np.sqrt((values**2).mean())) for name, values in moved.items()}
-
-
-def _turn(
-    own: Float64[np.ndarray, "markers 2"], shift: Float64[np.ndarray, "samples markers 2"]
-) -> Float64[np.ndarray, " samples"]:
-    """How a small shift of its markers turns a body, to first order [rad]."""
-    arm = own - own.mean(axis=0)
-    crossed = arm[:, 0] * shift[..., 1] - arm[:, 1] * shift[..., 0]
-    return crossed.sum(axis=-1) / (arm**2).sum()

@@ -54,8 +54,8 @@ def test_any_style_is_fitted_to_the_same_parameters(logged, kind, tmp_path):
     ]
     for found in estimate(dataclasses.replace(made, runs=tuple(same))).parameters:
         wanted = told[found.name]
-        # Times in ms are seconds to their last bit, and the search ends a thousandth of a
-        # standard error away.
-        assert abs(found.value - wanted.value) <= 2e-3 * wanted.sigma, found.name
+        # Times in ms are seconds to their last bit, and another last bit may lead the search
+        # another way, which ends some millionths of a standard error away.
+        assert abs(found.value - wanted.value) <= 1e-4 * wanted.sigma, found.name
         if wanted.value > 1e-4:
-            assert found.value == pytest.approx(wanted.value, rel=1e-8), found.name
+            assert found.value == pytest.approx(wanted.value, rel=1e-9), found.name

@@ -10,12 +10,14 @@ from identification.campaign.extend import add_runs, state_camera
 from identification.campaign.read import read_campaign
 from identification.campaign.types import (
     CAMERA_COORDINATES,
+    HEIGHT_OFFSET,
     CameraStream,
     DriveStream,
     Run,
     Sensors,
 )
 from identification.campaign.write import write_campaign
+from identification.data.circumstances import NAMES
 from identification.data.record import Reading, record
 from identification.data.start import Clock, start_pose
 
@@ -79,20 +81,24 @@ def test_runs_that_are_added_bring_theirs_along(tmp_path, folder):
     assert read.run("0003-step").camera_sigma == {"q_3": 1e-4}
 
 
-def test_a_fit_weighs_each_column_by_it():
+def stepped(camera_sigma):
+    """A run in which both drives begin to turn at 0.1 s."""
     time, frames = 1e-3 * np.arange(400), 1e-2 * np.arange(1, 39)
     voltage = np.where(time > 0.1, 5.0, 0.0)[:, None] * np.ones(2)
     angle = 50.0 * np.maximum(time - 0.1, 0.0)[:, None] ** 2 * np.ones(2)
-    run = Run(
+    return Run(
         name="0001-step",
         kind="torque_step",
         pretension=350.0,
         pretension_label="350 N",
         drive=DriveStream(time=time, voltage=voltage, angle=angle),
         camera=CameraStream(time=frames, position=np.ones((38, 5))),
-        camera_sigma=OWN,
+        camera_sigma=camera_sigma,
     )
-    sensors = Sensors()
+
+
+def test_a_fit_weighs_each_column_by_it():
+    run, sensors = stepped(OWN), Sensors()
     made = record(run, Clock(0.0, 0.0), sensors, Reading(height=1.112, radius=0.073))
     weight = np.asarray(made.frame_weight)
     used = weight[:, 0] > 0
@@ -104,3 +110,20 @@ def test_a_fit_weighs_each_column_by_it():
     start = start_pose(run, 0.0, sensors, 1.112)
     still = np.count_nonzero(~used)
     assert np.asarray(start.sigma)[1] == pytest.approx(OWN["q_4"] / np.sqrt(still), rel=0.1)
+
+
+def test_heights_that_are_off_alike_tell_the_height_no_better_than_that():
+    y_e, offset, sharing = 4e-5, 5e-5, 6
+    run, sensors = stepped({"y_e": y_e, HEIGHT_OFFSET: offset}), Sensors()
+    reading = Reading(height=1.112, radius=0.073, sharing=sharing)
+    made = record(run, Clock(0.0, 0.0), sensors, reading)
+    alone = record(stepped({"y_e": y_e}), Clock(0.0, 0.0), sensors, reading)
+    weight, without = (np.asarray(each.frame_weight) for each in (made, alone))
+    np.testing.assert_array_equal(weight[:, :4], without[:, :4])
+    count = np.count_nonzero(weight[:, 4])
+    of_mean = y_e**2 / count + sharing * offset**2
+    assert (weight[:, 4] ** 2).sum() == pytest.approx(1 / of_mean, rel=1e-12)
+    still = len(weight) - count
+    wanted = np.hypot(y_e / np.sqrt(still), np.sqrt(sharing) * offset)
+    told = 1 / float(made.prior.weight[NAMES.index("height")])
+    assert told == pytest.approx(wanted, rel=1e-12)

@@ -18,6 +18,7 @@ from scdpr_jax.numerics.levenberg_marquardt import (
     free_unknowns,
     minimise,
     minimise_together,
+    settled,
 )
 from scdpr_jax.numerics.merit import Merit, Normal, SumOfSquares
 from scdpr_jax.numerics.progress import Progress
@@ -49,6 +50,28 @@ def test_a_linear_problem_is_solved_at_once():
     expected = np.linalg.lstsq(matrix, target, rcond=None)[0]
     # It may stop a millionth of the cost above the minimum, in a valley of curvature >= 1.
     np.testing.assert_allclose(found.point, expected, atol=np.sqrt(1e-6 * found.normal.cost))
+
+
+def test_what_is_left_is_gone_after_the_last_step_where_the_model_is_right():
+    matrix = np.array([[2.0, 1.0], [0.0, 3.0], [1.0, 1.0]])
+    target = np.array([1.0, -2.0, 0.5])
+    found = minimise(
+        lambda x: SumOfSquares(matrix @ x - target, matrix),
+        np.array([5.0, 5.0]),
+        stopping=Stopping(evaluations=10, decrement=1.0),
+    )
+    expected = np.linalg.lstsq(matrix, target, rcond=None)[0]
+    assert np.abs(found.point - expected).max() > 1e-6
+    lower = np.full(2, -np.inf)
+    np.testing.assert_allclose(settled(found, lower).point, expected, atol=1e-8)
+    # A bound that the last step would cross holds it.
+    lower = np.where(expected < found.point, found.point, -np.inf)
+    assert (settled(found, lower).point >= lower).all()
+
+
+def test_a_search_that_ended_otherwise_stays_where_it_was():
+    stopped = minimise(rosenbrock, np.array([-1.2, 1.0]), stopping=Stopping(evaluations=3))
+    assert settled(stopped, np.full(2, -np.inf)) is stopped
 
 
 def test_a_bound_holds_what_would_cross_it():

@@ -224,20 +224,17 @@ class Misfit:
             along = _joined(along, _looked_at(their, grid))
         ends, endings = self.arriving.linearised(run, self.goals, along=along)
         outside, aside = self._outside(points)
-        motions, count = points.shape
-        second = roughness(count)
-        pairs = [
-            *zip(self._arrived(ends), self._arrived(endings), strict=True),
-            (self._tracked(run.place - grid.plain_way), self._tracked(along.place)),
-            *self._commanded(points, own, slopes.positions),
-            (outside / OUTSIDE, aside / OUTSIDE),
-            (points @ second.T, np.broadcast_to(second, (motions, *second.shape))),
-        ]
-        each = (
-            (slope.reshape(motions, -1, count), value.reshape(motions, -1, 1))
-            for value, slope in pairs
+        second = roughness(points.shape[1])
+        return _in_rows(
+            points.shape,
+            [
+                *zip(self._arrived(ends), self._arrived(endings), strict=True),
+                (self._tracked(run.place - grid.plain_way), self._tracked(along.place)),
+                *self._commanded(points, own, slopes.positions),
+                (outside / OUTSIDE, aside / OUTSIDE),
+                (points @ second.T, second[None]),
+            ],
         )
-        return np.concatenate([np.concatenate(own, axis=2) for own in each], axis=1)
 
     def _led(
         self,
@@ -311,6 +308,20 @@ def _joined(first: Followed, others: Followed) -> Followed:
         Deviation(*map(both, first.aside, others.aside)),
         both(first.place, others.place),
     )
+
+
+def _in_rows(
+    shape: tuple[int, int], pairs: Sequence[tuple[np.ndarray, np.ndarray]]
+) -> Float[np.ndarray, "motions residuals columns"]:
+    """Residuals with their derivatives by all splines, one behind the other."""
+    motions, count = shape
+    sizes = [value[0].size for value, _ in pairs]
+    rows, last = np.empty((motions, sum(sizes), count + 1)), 0
+    for size, (value, slope) in zip(sizes, pairs, strict=True):
+        here, last = rows[:, last : last + size], last + size
+        here[..., :count] = slope.reshape(-1, size, count)
+        here[..., count] = value.reshape(-1, size)
+    return rows
 
 
 def _looked_at(run: Followed, grid: Grid) -> Followed:

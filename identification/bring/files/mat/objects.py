@@ -4,9 +4,16 @@ A table, a timeseries and a Dataset are classes of MATLAB's own, whose content M
 a part that isn't documented. A reader that guesses at it would be wrong one day without a word.
 """
 
+_NUMBERS = (
+    " for f = fieldnames(log).', v = log.(f{{1}}); "
+    "if isdatetime(v), log.(f{{1}}) = posixtime(v); "
+    "elseif isduration(v), log.(f{{1}}) = seconds(v); "
+    "elseif ~isnumeric(v) && ~islogical(v), log = rmfield(log, f{{1}}); end, end"
+)
+"""What leaves of a structure's fields numbers alone: times in s, no texts."""
 LINES = {
-    "table": 'log = table2struct({name}, "ToScalar", true);',
-    "timetable": 'log = table2struct(timetable2table({name}), "ToScalar", true);',
+    "table": 'log = table2struct({name}, "ToScalar", true);' + _NUMBERS,
+    "timetable": ('log = table2struct(timetable2table({name}), "ToScalar", true);' + _NUMBERS),
     "timeseries": 'log = struct("time", {name}.Time, "data", {name}.Data);',
     "Dataset": (
         "log = struct(); for k = 1:{name}.numElements, e = {name}{{k}}; "

@@ -154,6 +154,7 @@ def compared(planner, legs):
     return different
 
 
+@pytest.mark.slow
 def test_a_few_legs_are_planned_as_python_plans_them(planner):
     legs = random_legs(ROBOT.frame, 3, seed=7, leg_times=(0.9, 1.6))
     assert not compared(planner, legs)
