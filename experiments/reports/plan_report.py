@@ -175,15 +175,15 @@ def plan_page(
         film=(
             robot_film(robot, after, name="film", ghost=before),
             "The leg on the fitted robot, to scale and in real time; dashed the end-effector "
-            "as the plain profile leads it. Red: its way.",
+            "under the plain profile. Red: its path.",
         ),
         pictures=[
             Pictures()(
                 leg(compared, leg_time=float(plan.time[-1]), voltage_limit=voltage_limit),
-                "The leg on the fitted robot: the way along the straight line, the horizontal "
-                "distance from the target around the end of the reference (dotted), the "
-                "commands of both drives; and what vibrates after it on robots as they might "
-                "be.",
+                "The leg on the fitted robot: the distance covered along the straight line, "
+                "the distance from the target around the end of the reference (dotted), and "
+                "the commands of both drives. Lower right: the vibration after the leg on "
+                "robots that differ from it.",
             ),
         ],
         method=_METHOD,
