@@ -1,15 +1,15 @@
-"""The command line: `scdpr VERB …`. Nothing heavy is imported before a verb is chosen."""
+"""The command line: `scdpr VERB …`.
 
-import contextlib
+Nothing heavy is imported before a verb is chosen, and here only what Python has loaded already:
+an import that Ctrl-C comes into ends with a traceback, unless `main` has begun.
+"""
+
 import errno
 import gc
 import io
 import os
-import shutil
-import signal
 import sys
 
-from experiments.page.wrapping import wrapped
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT, STOPPED, UNHEARD
 
 VERBS: dict[str, dict[str, str]] = {
@@ -55,20 +55,32 @@ def main(arguments: list[str] | None = None) -> int:
     """
     if arguments is not None:
         return _run(arguments)
-    # The process is this command's alone. Ctrl-C waits until there is somebody who heeds it.
+    try:
+        return _alone(sys.argv[1:])
+    except KeyboardInterrupt:  # while what hears Ctrl-C was still loading
+        os.write(2, b"scdpr: stopped. No file is half written.\n")
+        os._exit(STOPPED)
+
+
+def _alone(arguments: list[str]) -> int:
+    """Run a verb in a process that is this command's alone."""
+    # Ctrl-C waits until there is somebody who heeds it: an import may swallow it, as Python
+    # clears its locks in callbacks whose exceptions go nowhere. `signal` itself has imports.
     if sys.platform != "win32":
-        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        import _signal
+
+        _signal.pthread_sigmask(_signal.SIG_BLOCK, [_signal.SIGINT])
     from experiments.verbs.ending import end_on_signals, leave
 
-    end_on_signals(next(iter(sys.argv[1:]), ""))
+    end_on_signals(next(iter(arguments), ""))
     if sys.platform != "win32":
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+        _signal.pthread_sigmask(_signal.SIG_UNBLOCK, [_signal.SIGINT])
     for stream in (sys.stdout, sys.stderr):
         # A name that the terminal's encoding hasn't is written out, as in `ls`.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     try:
-        status = _run(sys.argv[1:])
+        status = _run(arguments)
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else DONE
     except OSError as error:  # of the help itself
@@ -100,6 +112,7 @@ def _run(arguments: list[str]) -> int:
             file=sys.stderr,
         )
         return BAD_INPUT
+    import contextlib
     import importlib
     import keyword
 
@@ -163,6 +176,8 @@ def _prepare_process() -> None:
 
 
 def _help() -> str:
+    from experiments.page.wrapping import wrapped
+
     verbs = {name: does for wing in VERBS.values() for name, does in wing.items()}
     room = max(map(len, verbs)) + 4
     text = (
@@ -182,6 +197,8 @@ def _help() -> str:
 
 def _columns() -> int:
     """Columns of the terminal; a file or a pipe has no width."""
+    import shutil
+
     return shutil.get_terminal_size((100_000, 24)).columns
 
 

@@ -2,11 +2,11 @@
 
 A computation tells which share of its work is done, and its parts aren't alike: compiling tells
 nothing for seconds, and legs are told one by one. So what is told becomes a share of the time
-by how it went the last time, or, the first time, by how it usually goes; and between two
-tellings the share goes on as far as the next one: by the processor time that this process took
-for that part the last time, or by the clock where it wasn't this process that worked. The share
-that is told would be simpler, and stands still for seconds and leaps; so would the clock alone,
-which is wrong as soon as others take the processor.
+by how it went before, or, the first time, by how it usually goes; and between two tellings the
+share goes on by the clock, as far as the next one. The time left follows from the share and
+from the time that has passed. The share that is told would be simpler, and stands still for
+seconds and leaps; so would the clock alone, which is wrong as soon as others take the
+processor.
 """
 
 import bisect
@@ -18,25 +18,36 @@ from collections.abc import Sequence
 
 from scdpr_jax.numerics.files import write_whole
 
-_BELIEF = 0.2
-"""Share of the whole that the last time counts for, beside what this one has shown [1]; a
-quarter of it where that was on another machine, a twentieth where nothing is known."""
 _NEARLY = 0.8
 """Share of the way to the next telling that goes by the clock; then it slows down [1]."""
 _POINTS = 60
 """Points that are kept: a bar has no more parts."""
+_UNKNOWN = 0.1
+"""How far the clock alone may go where nothing is known of what comes [1]."""
+_BEGUN = 1e-9
+"""Share that counts as told where the first thing to be done begins: what came before it took
+its time as well [1]."""
+_KEPT = 50
+"""Paces that are kept, the last ones."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Pace:
-    """How long a computation took, and when it had told what."""
+    """How long a computation takes, and when it tells what."""
 
     total: float
     """Its time [s]."""
     points: tuple[tuple[float, float], ...]
-    """Shares that it told, and the share of the time at which it did, both rising."""
-    used: tuple[float, ...] = ()
-    """Processor time that it had taken at each of them and at its end [s]; empty: unknown."""
+    """Shares that it tells, and the share of the time at which it does, both rising."""
+    belief: float = 0.2
+    """Share of the whole that the time counts for, beside what this call has shown [1]."""
+
+    @property
+    def curve(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Shares of the work and of the time, from the begin to the end."""
+        inner = [point for point in self.points if 0 < point[0] < 1 and 0 < point[1] < 1]
+        shares, times = zip((0.0, 0.0), *inner, (1.0, 1.0), strict=True)
+        return shares, times
 
     def scaled(self, total: float) -> "Pace":
         """The same on a machine on which it takes another time.
@@ -49,20 +60,28 @@ class Pace:
         """
         return dataclasses.replace(self, total=total)
 
+    def after(self, last: "Pace") -> "Pace":
+        """What to expect after this call, and others before it.
 
-_BUSY = 0.5
-"""A part's processor time over what it would be if it were spread evenly, from which on the
-part is this process's own work [1]."""
-_OWN = 0.1
-"""Processor time over time below which others do the work [1]."""
-_RECENT = 0.2
-"""Share of the whole whose pace, the last one seen, counts as much as that of all [1]."""
-_FINE = 0.005
-"""Steps in which the way is kept [1]."""
-EVEN = Pace(60.0, ())
+        Where a call waits for others on the machine, another call won't: each moment is the
+        mean of this one's and of those before, which count half as much with every call.
+
+        Args:
+            last: What was expected before.
+
+        Returns:
+            The pace: the time of this call, its moments moved half-way to those.
+        """
+        moments: list[tuple[float, float]] = []
+        for share, time in self.points:
+            moment = (time + _between(share, *last.curve)) / 2
+            if not moments or moment > moments[-1][1]:
+                moments.append((share, moment))
+        return Pace(self.total, tuple(moments))
+
+
+EVEN = Pace(60.0, (), belief=0.01)
 """Of what has never been run: what it tells is taken for its time, of a minute."""
-_UNKNOWN = 0.1
-"""How far the clock alone may go where nothing is known of what comes [1]."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,121 +97,77 @@ class Standing:
 class Clock:
     """What a computation tells, as time: the share never falls, and goes on by itself."""
 
-    def __init__(self, pace: Pace, now: float, used: float = 0.0):
+    def __init__(self, pace: Pace, now: float):
         """A clock at the begin of a computation.
 
         Args:
             pace: How it went before.
             now: Time [s], on any clock.
-            used: Processor time of the process [s].
         """
         self._pace = pace
         self._begin = now
-        self._used = used
-        self._told = [(0.0, 0.0, 0.0)]
-        self._way = [(0.0, 0.0)]
+        self._told = [(0.0, 0.0)]
         self._at = 0.0
         self._shown = 0.0
 
-    def tell(self, share: float, now: float, used: float = 0.0) -> None:
+    def tell(self, share: float, now: float) -> None:
         """Take what is told; a share below what was told before counts as that.
 
         Args:
             share: Share of the work that is done [1].
             now: Time [s].
-            used: Processor time of the process [s].
         """
+        share = max(share, _BEGUN)
         if share <= self._told[-1][0]:
             return  # Other words, and nothing of how far it is.
-        self._told.append((share, now - self._begin, used - self._used))
-        self._at = max(self._at, self._in_time(share))
+        self._told.append((share, now - self._begin))
+        self._at = max(self._at, _between(share, *self._pace.curve))
 
-    def standing(self, now: float, used: float = 0.0) -> Standing:
+    def standing(self, now: float) -> Standing:
         """How far it is.
 
         Args:
             now: Time [s].
-            used: Processor time of the process [s].
 
         Returns:
             Where it stands.
         """
-        passed, (_, told, taken) = now - self._begin, self._told[-1]
-        total = self._total(self._at, told)
-        ahead = self._next(self._at) - self._at
+        passed, (_, told) = now - self._begin, self._told[-1]
+        ahead = self._next() - self._at
         if not self._pace.points:
             ahead = min(ahead, _UNKNOWN)
-        gone, work = (passed - told) / total, self._work(self._at, ahead)
-        if work:
-            gone = ahead * (used - self._used - taken) / work
-        share = self._at + (ahead * _creeping(gone / ahead) if ahead else 0.0)
+        share = self._at
+        if ahead:
+            share += ahead * _creeping((passed - told) / self._total(self._at, told) / ahead)
         self._shown = min(max(self._shown, share), 1.0)
-        known = self._told[-1][0] or self._pace.points
-        if not known or not share:
-            return Standing(self._shown, math.nan)
-        # What takes longer than it ever did makes the whole longer; a bar that ran ahead of
-        # what was told then waits, and the time left doesn't.
-        longer = max(total, passed / share)
-        total = self._total(share, passed) if work else longer
-        if self._pace.used:
-            total = (total + self._recent(share, passed, total)) / 2
-        return Standing(self._shown, total * (1 - min(share, 1.0)))
+        known = self._told[-1][0] > _BEGUN or self._pace.points
+        left = self._total(share, passed) * (1 - share) if known and share else math.nan
+        return Standing(self._shown, left)
 
-    def pace(self, now: float, used: float = 0.0) -> Pace:
+    def pace(self, now: float) -> Pace:
         """How it went.
 
         Args:
             now: Time of its end [s].
-            used: Processor time of the process [s].
 
         Returns:
             The pace, for the next time.
         """
         total = max(now - self._begin, 1e-9)
-        points: list[tuple[float, float, float]] = []
-        for share, at, taken in self._told[1:]:
+        points: list[tuple[float, float]] = []
+        for share, at in self._told[1:]:
             # What is told at once after something else is where that part ended.
-            if not points or (share > points[-1][0] and at / total > points[-1][1]):
-                points.append((share, at / total, taken))
-        every = max(1, -(-len(points) // _POINTS))
-        kept = points[::every]
-        took = (*(taken for _, _, taken in kept), used - self._used)
-        return Pace(total, tuple(point[:2] for point in kept), took if used else ())
+            if not points or at / total > points[-1][1]:
+                points.append((share, at / total))
+        return Pace(total, tuple(points[:: max(1, -(-len(points) // _POINTS))]))
 
-    def _in_time(self, share: float) -> float:
-        """A share of the work as a share of the time."""
-        return _between(share, *self._curve())
-
-    def _next(self, at: float) -> float:
+    def _next(self) -> float:
         """Share of the time at which something is told next."""
-        return next((time for time in self._curve()[1] if time > at), 1.0)
-
-    def _curve(self) -> tuple[Sequence[float], Sequence[float]]:
-        inner = [point for point in self._pace.points if 0 < point[0] < 1 and 0 < point[1] < 1]
-        shares, times = zip((0.0, 0.0), *inner, (1.0, 1.0), strict=True)
-        return shares, times
-
-    def _recent(self, share: float, passed: float, total: float) -> float:
-        """Time of a whole that goes as the last part of the way did [s]."""
-        if share > self._way[-1][0] + _FINE:
-            self._way.append((share, passed))
-        ways = (own for own in reversed(self._way) if own[0] <= share - _RECENT)
-        before, then = next(ways, self._way[0])
-        return (passed - then) / (share - before) if share > before else total
-
-    def _work(self, at: float, ahead: float) -> float:
-        """Processor time of a part that begins at some share [s]; 0 where others work."""
-        if not ahead or sum(self._pace.used[-1:]) <= _OWN * self._pace.total:
-            return 0.0
-        times = (0.0, *(time for _, time in self._pace.points), 1.0)
-        used = (0.0, *self._pace.used)
-        begin, end = (_between(time, times, used) for time in (at, at + ahead))
-        return end - begin if end - begin > _BUSY * ahead * used[-1] else 0.0
+        return next((time for time in self._pace.curve[1] if time > self._at), 1.0)
 
     def _total(self, share: float, passed: float) -> float:
         """Time of the whole [s], by the last time and by how far it was after some time."""
-        # Of what has never been run here, what it shows itself counts nearly alone.
-        belief = _BELIEF if self._pace.used else _BELIEF / (4 if self._pace.points else 20)
+        belief = self._pace.belief
         return (passed + belief * self._pace.total) / (share + belief)
 
 
@@ -210,42 +185,55 @@ def _creeping(gone: float) -> float:
     return min(gone, _NEARLY) - (1 - _NEARLY) * math.expm1(-late / (1 - _NEARLY))
 
 
-def expected(name: str, kept: pathlib.Path | None) -> Pace:
-    """How a computation will go: as the last time, or as it usually goes.
+def expected(name: str, kept: pathlib.Path | None, *, given: str = "") -> Pace:
+    """How a computation will go: as with this input, as the last time, or as it usually goes.
+
+    Args:
+        name: Its name.
+        kept: Where paces are kept; None where nowhere.
+        given: What it is given, by a name that lasts.
+
+    Returns:
+        The pace.
+    """
+    every = _kept(kept)
+    last = every.get(f"{name} {given}".rstrip(), every.get(name))
+    if last is not None:
+        return last
+    first, again = USUAL.get(name, (EVEN, EVEN))
+    return first if _compiles(name, every) else again
+
+
+def _compiles(name: str, every: dict[str, Pace]) -> bool:
+    """Whether nothing is known to have compiled what it runs."""
+    return {name, *_THE_WHOLE}.isdisjoint(every)
+
+
+def keep(name: str, pace: Pace, kept: pathlib.Path | None, *, given: str = "") -> None:
+    """Keep how a computation went, for the next time.
 
     The first time on a machine compiles, and the second doesn't: the first is no measure for
     the second but for the machine's speed.
 
     Args:
         name: Its name.
+        pace: How it went.
         kept: Where paces are kept; None where nowhere.
-
-    Returns:
-        The pace.
-    """
-    last = _kept(kept).get(name)
-    first, again = USUAL.get(name, (EVEN, EVEN))
-    if last is None:
-        return first
-    if name in USUAL and not last.points:
-        return again.scaled(again.total * last.total / first.total)
-    return last
-
-
-def keep(name: str, pace: Pace, kept: pathlib.Path | None) -> None:
-    """Keep how a computation went, for the next time.
-
-    Args:
-        name: Its name.
-        pace: How it went; of the first time on a machine its time alone is kept.
-        kept: Where paces are kept; None where nowhere.
+        given: What it was given, by a name that lasts.
     """
     if kept is None:
         return
     every = _kept(kept)
-    first = name in USUAL and name not in every
-    every[name] = dataclasses.replace(pace, points=(), used=()) if first else pace
-    document = {known: dataclasses.asdict(own) for known, own in every.items()}
+    own = f"{name} {given}".rstrip()
+    if name in USUAL and _compiles(name, every):
+        first, again = USUAL[name]
+        every[name] = again.scaled(again.total * pace.total / first.total)
+    else:
+        # Another input may take ten times as long: it goes as is usual, where that is known.
+        for known in {own, name} - (USUAL.keys() - {own}):
+            every[known] = pace.after(every.pop(known)) if known in every else pace
+    last = list(every.items())[-_KEPT:]
+    document = {known: [each.total, each.points] for known, each in last}
     try:
         write_whole(kept, json.dumps(document))
     except OSError:
@@ -259,50 +247,59 @@ def _kept(file: pathlib.Path | None) -> dict[str, Pace]:
     try:
         document = json.loads(file.read_text(encoding="utf-8"))
         return {
-            name: Pace(
-                float(own["total"]),
-                tuple((float(a), float(b)) for a, b in own["points"]),
-                tuple(map(float, own["used"])),
-            )
-            for name, own in document.items()
-            if len(own["used"]) in (0, len(own["points"]) + 1)
+            name: Pace(float(total), tuple((float(a), float(b)) for a, b in points))
+            for name, (total, points) in document.items()
+            if total > 0
         }
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+    except (OSError, ValueError, TypeError, AttributeError):
         return {}
 
 
 def _usual(total: float, *points: tuple[float, float]) -> Pace:
-    return Pace(total, points)
+    return Pace(total, points, belief=0.05)
+
+
+_THE_WHOLE = ("calibrate", "demo")
+"""What compiles all that the verbs of `USUAL` run."""
 
 
 USUAL: dict[str, tuple[Pace, Pace]] = {
     "calibrate": (
         _usual(
-            90.0,
-            (0.1, 0.2),
-            (0.65, 0.21),
-            (0.7, 0.24),
-            (0.83, 0.32),
-            (0.846, 0.4),
-            (0.862, 0.66),
-            (0.874, 0.73),
-            (0.93, 0.85),
+            60.0,
+            (0.019, 0.07),
+            (0.1, 0.38),
+            (0.65, 0.43),
+            (0.7, 0.44),
+            (0.738, 0.52),
+            (0.828, 0.57),
+            (0.846, 0.64),
+            (0.862, 0.77),
+            (0.874, 0.8),
+            (0.93, 0.87),
+            (0.958, 0.95),
         ),
         _usual(
-            25.0,
-            (0.1, 0.06),
-            (0.65, 0.11),
-            (0.7, 0.18),
-            (0.83, 0.36),
-            (0.846, 0.47),
-            (0.862, 0.66),
-            (0.874, 0.82),
-            (0.93, 0.845),
+            16.0,
+            (0.019, 0.05),
+            (0.1, 0.1),
+            (0.65, 0.13),
+            (0.7, 0.14),
+            (0.738, 0.27),
+            (0.783, 0.34),
+            (0.828, 0.4),
+            (0.846, 0.57),
+            (0.862, 0.62),
+            (0.866, 0.67),
+            (0.874, 0.76),
+            (0.93, 0.8),
+            (0.937, 0.86),
+            (0.972, 0.96),
         ),
     ),
     "identify": (
-        _usual(60.0, (0.13, 0.87), (0.4, 0.89)),
-        _usual(4.0, (0.13, 0.42), (0.4, 0.56)),
+        _usual(60.0, (_BEGUN, 0.1), (0.12, 0.5), (0.29, 0.55), (0.4, 0.62), (0.85, 0.9)),
+        _usual(6.0, (_BEGUN, 0.08), (0.12, 0.16), (0.29, 0.28), (0.4, 0.35), (0.85, 0.8)),
     ),
     "tune": (
         _usual(60.0, (0.1, 0.27), (0.7, 0.34), (0.8, 0.45), (0.89, 0.8), (0.95, 0.91)),
@@ -315,4 +312,4 @@ USUAL: dict[str, tuple[Pace, Pace]] = {
     "plan --legs": (_usual(57.0, (0.75, 0.89)), _usual(5.0, (0.75, 0.75))),
 }
 """How a verb goes the first time on a machine, which compiles, and again, by its name: measured
-on a campaign of 14 runs."""
+on campaigns of 14 runs."""

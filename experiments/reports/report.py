@@ -37,6 +37,7 @@ from identification.fit.starts import Valley
 from identification.judge.uncertainty import covariance
 from identification.result.estimate import Estimate
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.progress import SILENT, Progress
 
 
 def write_report(
@@ -46,6 +47,7 @@ def write_report(
     title: str,
     truth: dict[str, float] | None,
     pictures: FitPictures | None = None,
+    progress: Progress = SILENT,
 ) -> None:
     """Write the report of a calibration, whole or not at all.
 
@@ -55,6 +57,7 @@ def write_report(
         title: Its title.
         truth: True values by name [SI], where they are known.
         pictures: The pictures of the fit, if they have been begun.
+        progress: Told which share of it is done.
 
     Raises:
         OSError: If the place can't be written to.
@@ -62,6 +65,11 @@ def write_report(
     if pictures is None:
         pictures = FitPictures(findings.campaign, truth=truth)
         pictures.begin(findings.estimate)
+    progress("report: figures of the fit", 0.1)
+    of_fit = _of_fit(findings, truth, pictures)
+    progress("report: figures of the tuning", 0.4)
+    of_tuning = _of_tuning(findings, pictures)
+    progress("report: page", 0.6)  # which waits for figures that other processes draw
     text = page(
         "report.html.j2",
         title=title,
@@ -74,8 +82,8 @@ def write_report(
         with_truth=bool(truth),
         method=method_notes(),
         provenance=_provenance(findings.campaign, findings.estimate),
-        **_of_fit(findings, truth, pictures),
-        **_of_tuning(findings, pictures),
+        **of_fit,
+        **of_tuning,
     )
     write_whole(pathlib.Path(path), text)
 
@@ -143,9 +151,9 @@ def method_notes() -> tuple[str, ...]:
         "logarithm of its misfit. Each run's start pose, the force of its knock and an unknown "
         "camera clock are estimated with them. The search begins in several valleys of a "
         "scan over pretension and friction, since single starts end in local minima.",
-        "What is left is told in one measure everywhere: its root mean square in times of the "
-        "sensor's noise. Of a whole model or minimum it is the root of the mean over all "
-        "measurements, large misfits by their logarithm as in the fit.",
+        "Misfit has one measure everywhere: the root mean square of the residuals over the "
+        "noise of the sensor. For a whole model or minimum it is the root of the mean over all "
+        "measurements, with the logarithm of large misfits as in the fit.",
         *(_readable(paragraph) for paragraph in paragraphs),
     )
 

@@ -85,7 +85,7 @@ def tuning_film(tuning: Tuning, robot: Robot, *, name: str) -> tuple[Markup, str
         robot_film(robot, track, name=name, ghost=before),
         f"{capitalised(shown.name)}, simulated with the fitted robot, to scale and in real "
         "time: with the tuned gains and shaper, and dashed the end-effector as it goes before, "
-        "with Eq. (25) and the plain reference. Red: its way.",
+        "with Eq. (25) and the plain reference. Red: its path.",
     )
 
 
@@ -230,18 +230,18 @@ def _pictures(findings: TuningFindings, robot: Robot, picture: Pictures) -> Iter
         yield picture(
             margin_curves(findings.margins),
             "Margins of the flexible robot's loops over the height of the end-effector; the "
-            "horizontal position doesn't matter. Sideways the cables' springs take away from "
-            "the bare drive's phase, while the upper carriage slides (solid) and while "
+            "horizontal position doesn't matter. Sideways, the springs of the cables reduce "
+            "the phase of the bare drive, while the upper carriage slides (solid) and while "
             "friction holds it (dashed). Higher phase margins and lower peaks are safer; "
-            "dotted: 30° and 2, short of which a loop rings. A gap is an unstable loop.",
+            "below 30° or above 2 (dotted) a loop rings. A gap is an unstable loop.",
             seen=_margin_words(tuning),
         )
     for first in range(0, len(findings.shapers), _TOGETHER):
         yield picture(
             shaper_response(findings.shapers[first : first + _TOGETHER]),
-            "What each shaper leaves of a vibration, over the vibration's frequency. Inside "
-            "its shaded band, two standard errors to either side, a shaper that cancels the "
-            "vibration is near zero. Right: the impulses. Dashed: 5 %.",
+            "Residual vibration of each shaper, over the frequency of the vibration. The "
+            "shaded band is two standard errors wide on either side; a shaper that cancels the "
+            "vibration is close to zero inside it. Right: the impulses. Dashed: 5 %.",
         )
 
 
@@ -267,9 +267,9 @@ def _legs_pictures(findings: TuningFindings, picture: Pictures) -> Iterator[Pict
     )
     yield picture(
         legs_outcome(sides),
-        "What every leg leaves, sorted: the share of the legs that vibrate less, and that "
-        "rest nearer to their target. Further to the left is better, a decade at each tick; "
-        "where two lines cross, some legs are worse off.",
+        "Vibration and resting error of all legs, sorted: the share of the legs that have "
+        "less. Further left is better, by a factor of ten at each tick; where two lines cross, "
+        "some legs get worse.",
         seen=f"{capitalised(told)}.",
     )
 
@@ -283,11 +283,11 @@ def _residual_pictures(findings: TuningFindings, picture: Pictures) -> Iterator[
         ]
         yield picture(
             residual_vibration_map(maps, regions),
-            "What is left of a vibration of the held mode after a leg that ends at a pose, by "
-            "the shaper of that pose: the worst over two standard errors of the frequency, "
-            "which is the model's over the height, corrected by the knocks. Without a shaper "
-            "it is 100 % everywhere. About the dashed lines the regions' shapers are blended; "
-            "the cross is the worst place. What isn't coloured is out of reach.",
+            "Residual vibration of the held mode after a leg that ends at a pose, with the "
+            "shaper of that pose: the worst over two standard errors of the frequency, which "
+            "is the model's over the height, corrected by the knocks. Without a shaper it is "
+            "100 % everywhere. Near the dashed lines the shapers of two regions are blended; "
+            "the cross is the worst place. Places without colour are out of reach.",
             seen=f"Maps of the frame. {' '.join(findings.between_the_cells)}",
             narrow=len(maps) == 1,
         )

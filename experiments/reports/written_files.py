@@ -9,6 +9,7 @@ from experiments.studies.runs_file import runs_table
 from identification.knocks.frequency_map import write_frequencies
 from identification.result.parameters_file import write_parameters
 from scdpr_jax.numerics.files import write_whole
+from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.provenance import made_today
 from tuning.export import write_exports
 from tuning.result.document import write_tuning
@@ -59,6 +60,7 @@ def write_calibration(
     *,
     truth: dict[str, float] | None = None,
     pictures: FitPictures | None = None,
+    progress: Progress = SILENT,
 ) -> CalibrationFiles:
     """Write everything that a calibration gives, each file whole or not at all.
 
@@ -67,10 +69,12 @@ def write_calibration(
         out: The folder.
         truth: True values by name, where they are known.
         pictures: The report's pictures of the fit, if they have been begun.
+        progress: Told which share of it is done.
 
     Returns:
         The files.
     """
+    progress("report", 0.0)
     mapped = findings.frequencies is not None
     parameters = out / "parameters.json"
     made = made_today(findings.campaign.name, findings.campaign.source)
@@ -95,6 +99,7 @@ def write_calibration(
         title=f"Calibration of {findings.campaign.name}",
         truth=truth,
         pictures=pictures,
+        progress=progress,
     )
     return CalibrationFiles(
         report, parameters, runs, out / "frequencies.csv" if mapped else None, tuning

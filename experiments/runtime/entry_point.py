@@ -59,21 +59,23 @@ def _cache_folder() -> pathlib.Path:
 
 
 @contextlib.contextmanager
-def shown_progress(console: Console, name: str) -> Iterator[Progress]:
+def shown_progress(console: Console, name: str, given: object = "") -> Iterator[Progress]:
     """A progress bar with the time left, or where there is no terminal a line a stage.
 
     Args:
         console: Where to show it.
         name: What runs, by which it is known the next time.
+        given: What it is given, the campaign for one: how long that took counts more.
 
     Yields:
         What computations tell what they are doing.
     """
-    clock = Clock(expected(name, _paces_file()), time.monotonic(), time.process_time())
+    kept, of = _paces_file(), os.path.abspath(str(given)) if given else ""
+    clock = Clock(expected(name, kept, given=of), time.monotonic())
     shown = _bar if console.is_terminal and not console.is_dumb_terminal else _stages
     with shown(console, clock) as told:
         yield Progress(told)
-    keep(name, clock.pace(time.monotonic(), time.process_time()), _paces_file())
+    keep(name, clock.pace(time.monotonic()), kept, given=of)
 
 
 @contextlib.contextmanager
@@ -83,10 +85,10 @@ def _bar(console: Console, clock: Clock) -> Iterator[Callable[[str, float], None
 
     def tell(what: str, share: float) -> None:
         doing[0] = printable(what)
-        clock.tell(share, time.monotonic(), time.process_time())
+        clock.tell(share, time.monotonic())
 
     def drawn() -> Text:
-        standing = clock.standing(time.monotonic(), time.process_time())
+        standing = clock.standing(time.monotonic())
         full = round(_BAR * standing.share)
         done, rest = ("━", "╌") if console.encoding.startswith("utf") else ("#", "-")
         left = "" if math.isnan(standing.left) else f", {_minutes(standing.left)} left"
@@ -107,11 +109,11 @@ def _stages(console: Console, clock: Clock) -> Iterator[Callable[[str, float], N
 
     def tell(what: str, share: float) -> None:
         now = time.monotonic()
-        clock.tell(share, now, time.process_time())
+        clock.tell(share, now)
         stage = printable(_COUNTED.sub("", what))
         if stage and stage != last[0]:
             last[0] = stage
-            done = 100 * clock.standing(now, time.process_time()).share
+            done = 100 * clock.standing(now).share
             print_text(console, f"{done:3.0f} %  {_minutes(now - begun)}  {stage}")
 
     yield tell

@@ -98,7 +98,8 @@ def solve(
     """
     ends = []
     for number, start in enumerate(points):
-        inner = progress.part(0.0, 0.6, f"start {number + 1} of {len(points)}")
+        begin, end = (0.6 * each / len(points) for each in (number, number + 1))
+        inner = progress.part(begin, end, f"start {number + 1} of {len(points)}")
         ends.append(problem.minimise(start, iterations=15, decrement=1.0, progress=inner))
     if not ends:
         raise FloatingPointError(
@@ -220,6 +221,9 @@ def vector(problem: Problem, estimate: Estimate) -> Float[np.ndarray, " n"]:
         point[unknowns.circumstances(run)] = circumstances.vector
         # The fit holds what is beyond what was known of the clock before.
         point[unknowns.circumstance(run, "clock_offset")] -= clock.offset
+    for run in _turning(problem):
+        circumstances = estimate.circumstances[logs.runs[run].name]
+        point[unknowns.circumstances(run)] = circumstances.vector
     return point
 
 
@@ -248,7 +252,15 @@ def _circumstances(
         vector = point[problem.unknowns.circumstances(run)]
         vector[NAMES.index("clock_offset")] += clock.offset
         estimated[logs.runs[run].name] = Circumstances.of(vector)
+    for run in _turning(problem):
+        vector = point[problem.unknowns.circumstances(run)]
+        estimated[logs.runs[run].name] = Circumstances.of(vector)
     return estimated
+
+
+def _turning(problem: Problem) -> list[int]:
+    """The runs of bare drives that turn from the first."""
+    return [run for run in problem.logs.motors if problem.logs.runs[run].in_motion]
 
 
 def require_float64() -> None:

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
+from identification.data.circumstances import BEGINNING, TURNING_DRIVES, Circumstances
 from identification.fit.comparison import Channel, Comparison
 from identification.judge.influence import Influence
 from identification.judge.likelihood import Posterior, Profile
@@ -126,19 +127,35 @@ def _parameter(parameter: ParameterEstimate) -> dict[str, Any]:
 
 
 def _run(estimate: Estimate, run: Comparison) -> dict[str, Any]:
-    """A run with what was estimated of it by itself; null for one without the cable."""
+    """A run with what was estimated of it by itself; null for what it hasn't."""
     circumstances = estimate.circumstances.get(run.name)
-    of_run = {"name": run.name, "kind": run.kind, "fitted": not run.held_out}
+    cabled = circumstances is not None and run.kind != "motor_step"
     keys = {
         "clock_offset": "clock_offset_s",
         "clock_drift": "clock_drift",
         "knock": "knock_N",
         "knock_arm": "knock_arm_m",
     }
-    if circumstances is None:
-        return of_run | dict.fromkeys(keys.values())
-    numbers = {key: float(getattr(circumstances, name)) for name, key in keys.items()}
-    return of_run | numbers
+    numbers = {
+        key: float(getattr(circumstances, name)) if cabled else None
+        for name, key in keys.items()
+    }
+    return {
+        "name": run.name,
+        "kind": run.kind,
+        "fitted": not run.held_out,
+        **numbers,
+        "beginning": _beginning(circumstances, BEGINNING if cabled else TURNING_DRIVES),
+    }
+
+
+def _beginning(
+    circumstances: Circumstances | None, names: Sequence[str]
+) -> dict[str, float] | None:
+    """How a run begins in SI units; zeros for one at rest, null where none begins in motion."""
+    if circumstances is None or circumstances.beginning is None:
+        return None
+    return {name: float(getattr(circumstances.beginning, name)) for name in names}
 
 
 def _residual(run: str, channel: Channel, validation: ChannelValidation) -> dict[str, Any]:

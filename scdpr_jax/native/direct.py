@@ -7,6 +7,7 @@ As part of a program of XLA's each would be compiled anew; a step's machine code
 import ctypes
 import functools
 import itertools
+import math
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any, Generic, NamedTuple
 
@@ -37,6 +38,8 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         self,
         step: Callable[[Parameters, Carry, Inputs], tuple[Carry, Outputs]],
         parameters: Parameters,
+        *,
+        teams: bool = False,
     ):
         """Nothing is traced until it runs.
 
@@ -44,14 +47,16 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
             step: The step, a function that lasts.
             parameters: What is the same in all steps, as NumPy's arrays behind an axis of
                 robots; of length one where all share it, here and below.
+            teams: Whether every array has an axis of teams in front of that of robots.
         """
-        self._step = step
+        self._step, self._ahead = step, 2 if teams else 1
         leaves, self._structure = jax.tree.flatten(parameters)
         self._parameters = [np.ascontiguousarray(leaf, float) for leaf in leaves]
         # They stay where they are, so that only what is new is looked up in each call.
-        self._words = [word for own in self._parameters for word in _own_words(own)]
+        words = [word for own in self._parameters for word in _own_words(own, self._ahead)]
+        self._words = np.array(words, np.int64)
+        self._robots = _most(self._parameters, self._ahead)
         self._traced: dict[Hashable, tuple[Step, jax.tree_util.PyTreeDef]] = {}
-        self._robots = max(map(len, self._parameters), default=1)
 
     def __call__(self, start: Carry, inputs: Inputs) -> tuple[Carry, Outputs]:
         """What `scdpr_jax.native.run` does.
@@ -107,10 +112,14 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         rows, second = jax.tree.flatten(inputs)
         held = [np.ascontiguousarray(leaf, float) for leaf in carried]
         told = [np.ascontiguousarray(leaf, float) for leaf in rows]
-        shapes = (*[own.shape[1:] for own in held], *[own.shape[2:] for own in told])
+        ahead = self._ahead
+        shapes = (
+            *[own.shape[ahead:] for own in held],
+            *[own.shape[ahead + 1 :] for own in told],
+        )
         kind = (first, second, shapes)
         if kind not in self._traced:
-            given = tuple(own.shape[1:] for own in self._parameters)
+            given = tuple(own.shape[ahead:] for own in self._parameters)
             structures = (self._structure, first, second)
             traced = _traced(self._step, structures, given + shapes)
             if traced.constants:
@@ -130,13 +139,29 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         begun: np.ndarray | None,
     ) -> list[np.ndarray]:
         """Results, and derivatives where there are tangents."""
-        robots = max(self._robots, *map(len, (*operands, *seeds)))
-        lanes = primitive.LANES if robots > 1 else 1
+        own = _most((*operands, *seeds), self._ahead)
+        robots = tuple(map(max, self._robots, own))
+        lanes = primitive.LANES if math.prod(robots) > 1 else 1
         code = _code(step, moving, lanes) if machine.is_checked() else None
         if code is None:
-            every = [*self._parameters, *operands]
-            return [np.asarray(own) for own in _by_xla(every, seeds, step=step, moving=moving)]
+            given = [_in_line(own, robots) for own in (*self._parameters, *operands)]
+            along = [_in_line(own, robots) for own in seeds]
+            made = _by_xla(given, along, step=step, moving=moving)
+            return [np.asarray(own).reshape(*robots, *own.shape[1:]) for own in made]
         return code(self._words, robots, operands, seeds, begun)
+
+
+def _most(arrays: Sequence[np.ndarray], ahead: int) -> tuple[int, ...]:
+    """The longest axes of teams and robots, or of robots alone."""
+    return tuple(max([own.shape[axis] for own in arrays], default=1) for axis in range(ahead))
+
+
+def _in_line(own: np.ndarray, robots: tuple[int, ...]) -> np.ndarray:
+    """An array behind a single axis of robots, those of each team in turn."""
+    ahead = len(robots)
+    shared = all(size == 1 for size in own.shape[:ahead])
+    full = own if shared else np.broadcast_to(own, (*robots, *own.shape[ahead:]))
+    return full.reshape(-1, *own.shape[ahead:])
 
 
 @functools.cache
@@ -186,32 +211,40 @@ class _Code:
 
     def __call__(
         self,
-        parameters: list[int],
-        robots: int,
+        parameters: np.ndarray,
+        robots: tuple[int, ...],
         operands: Sequence[np.ndarray],
         seeds: Sequence[np.ndarray],
         begun: np.ndarray | None,
     ) -> list[np.ndarray]:
-        steps = operands[-1].shape[1]
-        tangents = max((own.shape[1] for own in seeds), default=1)
+        ahead, many = len(robots), math.prod(robots)
+        steps = operands[-1].shape[ahead]
+        tangents = max((own.shape[ahead] for own in seeds), default=1)
         results = [
-            np.empty((robots, steps, *shape) if rows else (robots, *shape))
+            np.empty((*robots, steps, *shape) if rows else (*robots, *shape))
             for rows, shape in self.results
         ]
         slopes = [np.zeros((*own.shape, tangents)) for own in results] if seeds else []
-        groups = -(-robots // self.lanes)
-        words = {"last": robots - 1, "steps": steps, "tangents": tangents, "groups": groups}
+        groups = -(-many // self.lanes)
+        words = {
+            "last": many - 1,
+            "team": robots[-1],
+            "steps": steps,
+            "tangents": tangents,
+            "groups": groups,
+        }
         if begun is not None:
             begun = np.ascontiguousarray(begun, np.int64)
             words["begun"] = _place(begun)
-        numbers = [words.get(word, 0) for word in TASK] + parameters
+        numbers: list[int] = []
         for own in operands:
-            numbers += _own_words(own)
+            numbers += _own_words(own, ahead)
         for own in seeds:
-            numbers += _seed_words(own)
+            numbers += _seed_words(own, ahead)
         for own in itertools.chain(results, slopes):
-            numbers += _own_words(own)
-        task = np.array(numbers, np.int64)
+            numbers += _own_words(own, ahead)
+        head = [words.get(word, 0) for word in TASK]
+        task = np.concatenate([head, parameters, numbers], dtype=np.int64)
         place = _place(task)
         for group in range(groups):
             self.group(place, group)
@@ -226,12 +259,17 @@ def _place(own: np.ndarray) -> int:
     return own.__array_interface__["data"][0]
 
 
-def _own_words(own: np.ndarray) -> tuple[int, int, int]:
-    """Where an array is, and how far apart its robots are; tangents, if any, come last."""
-    return _place(own), 0 if own.shape[0] == 1 else own.strides[0] // _BYTES, 1
+def _apart(own: np.ndarray, axis: int) -> int:
+    """How far neighbours along an axis are apart; not at all where all share one."""
+    return 0 if own.shape[axis] == 1 else own.strides[axis] // _BYTES
 
 
-def _seed_words(own: np.ndarray) -> tuple[int, int, int]:
+def _own_words(own: np.ndarray, ahead: int) -> tuple[int, int, int, int]:
+    """Where an array is, and how far its teams and robots are apart; tangents come last."""
+    team = _apart(own, 0) if ahead == 2 else 0
+    return _place(own), team, _apart(own, ahead - 1), 1
+
+
+def _seed_words(own: np.ndarray, ahead: int) -> tuple[int, int, int, int]:
     """The same of tangents, which are behind the robots."""
-    tangent = 0 if own.shape[1] == 1 else own.strides[1] // _BYTES
-    return _place(own), 0 if own.shape[0] == 1 else own.strides[0] // _BYTES, tangent
+    return *_own_words(own, ahead)[:3], _apart(own, ahead)

@@ -1,9 +1,11 @@
 """A step repeated for a group of robots in LLVM IR: what is copied in, done, and copied out.
 
 The robots of a group lie side by side, one in each lane; where robots are missing the last one
-is taken again. A kernel's arrays are XLA's: a robot's numbers lie together, those of a step in
-a row, and behind each number of a result's derivative all its tangents. More tangents than the
-stack has room for go in parts, one after the other.
+is taken again. Robots may be those of several teams of one size, and an array may tell between
+teams, between the members of a team, between both, or be the same for all. A kernel's arrays
+are XLA's: a robot's numbers lie together, those of a step in a row, and behind each number of a
+result's derivative all its tangents. More tangents than the stack has room for go in parts, one
+after the other.
 """
 
 import itertools
@@ -18,12 +20,13 @@ MOST_TANGENTS = 40
 MOST_NUMBERS = 1600
 """Numbers of a robot in all arrays of a step, without tangents: they lie on the stack."""
 
-TASK = ("next", "done", "users", "groups", "last", "steps", "tangents", "begun")
-"""What a task says of its own, 8 bytes each; `WORDS` of each array follow. `begun` is where it
-says how many of the tangents have begun in each step, the first ones; 0 where all have. What
-the others' derivatives are is nothing yet, and isn't written."""
-WORDS = (("data", "ptr"), ("robot", "i64"), ("tangent", "i64"))
-"""Where an array begins, and how far its robots and its tangents are apart."""
+TASK = ("next", "done", "users", "groups", "last", "team", "steps", "tangents", "begun")
+"""What a task says of its own, 8 bytes each; `WORDS` of each array follow. `team` is how many
+robots a team has. `begun` is where it says how many of the tangents have begun in each step,
+the first ones; 0 where all have. What the others' derivatives are is nothing yet, and isn't
+written."""
+WORDS = (("data", "ptr"), ("team", "i64"), ("robot", "i64"), ("tangent", "i64"))
+"""Where an array begins, and how far its teams, a team's robots and its tangents are apart."""
 
 
 @dataclass(frozen=True)
@@ -97,12 +100,16 @@ class Kernel:
     def _copy(self) -> Iterator[str]:
         """Copies what a group's robots have of an array that is the same in all steps."""
         yield f"""\
-define void @{self.name}_copy(ptr %to, ptr %data, i64 %robot, i64 %tangent, i64 %size,
-  i64 %begin, i64 %tangents, i64 %first, i64 %last) {{"""
+define void @{self.name}_copy(ptr %to, ptr %data, i64 %team, i64 %robot, i64 %tangent,
+  i64 %size, i64 %begin, i64 %tangents, i64 %first, i64 %last, i64 %members) {{"""
         number = f"""\
 %wanted = add i64 %first, %l
 %own = call i64 @llvm.smin.i64(i64 %wanted, i64 %last)
-%a = mul i64 %own, %robot
+%which = udiv i64 %own, %members
+%member = urem i64 %own, %members
+%a.team = mul i64 %which, %team
+%a.robot = mul i64 %member, %robot
+%a = add i64 %a.team, %a.robot
 %p = add i64 %begin, %t
 %b = mul i64 %p, %tangent
 %c = add i64 %a, %b
@@ -132,12 +139,28 @@ store double %x, ptr %there, align 8"""
             yield from load(f"%{own.name}.{word}", kind, "%task", place)
         yield f"%first = mul i64 %group, {self.lanes}"
         for lane in range(self.lanes):
-            yield f"%wanted{lane} = add i64 %first, {lane}"
-            yield f"%robot{lane} = call i64 @llvm.smin.i64(i64 %wanted{lane}, i64 %last)"
+            yield f"""\
+%wanted{lane} = add i64 %first, {lane}
+%own{lane} = call i64 @llvm.smin.i64(i64 %wanted{lane}, i64 %last)
+%team{lane} = udiv i64 %own{lane}, %team
+%robot{lane} = urem i64 %own{lane}, %team"""
+        for own in self.arrays:
+            if own.rows or own.result:
+                yield from self._places_of(own)
         yield f"%parts.wide = add i64 %tangents, {MOST_TANGENTS - 1}"
         yield f"%parts = sdiv i64 %parts.wide, {MOST_TANGENTS}"
         yield from loop("part", "%parts", self._part())
         yield "ret void\n}"
+
+    def _places_of(self, own: Array) -> Iterator[str]:
+        """Where an array has what is each lane's."""
+        for lane in range(self.lanes):
+            tag = f"{own.name}.{lane}"
+            yield f"""\
+%{tag}.team = mul i64 %team{lane}, %{own.name}.team
+%{tag}.robot = mul i64 %robot{lane}, %{own.name}.robot
+%{tag}.far = add i64 %{tag}.team, %{tag}.robot
+%{tag}.place = getelementptr double, ptr %{own.name}.data, i64 %{tag}.far"""
 
     def _part(self) -> Iterator[str]:
         """All steps with some of the tangents."""
@@ -150,7 +173,7 @@ store double %x, ptr %there, align 8"""
             if not own.rows and not own.result:
                 words = ", ".join(f"{kind} %{own.name}.{word}" for word, kind in WORDS)
                 many = "i64 %begin, i64 %some" if own.each else "i64 0, i64 1"
-                ends = f"i64 {own.size}, {many}, i64 %first, i64 %last"
+                ends = f"i64 {own.size}, {many}, i64 %first, i64 %last, i64 %team"
                 yield f"call void @{self.name}_copy(ptr %{own.local}, {words}, {ends})"
         named = (*program.arguments, *program.results)
         pointers = ", ".join(f"ptr %{self.carried.get(name, name)}" for name in named)
@@ -195,10 +218,8 @@ store double %x, ptr %there, align 8"""
 %{tag}.both = add i64 %{tag}.far, %{tag}.tangent
 %{tag}.here = getelementptr [{size} x double], ptr %{own.local}, i64 %{tag}.p"""
         for lane in range(self.lanes):
-            yield f"""\
-%{tag}.robot{lane} = mul i64 %robot{lane}, %{own.name}.robot
-%{tag}.sum{lane} = add i64 %{tag}.robot{lane}, %{tag}.both
-%{tag}.base{lane} = getelementptr double, ptr %{own.name}.data, i64 %{tag}.sum{lane}"""
+            place = f"%{own.name}.{lane}.place"
+            yield f"%{tag}.base{lane} = getelementptr double, ptr {place}, i64 %{tag}.both"
         for cell in range(own.size):
             yield f"%{tag}.cell{cell} = mul i64 {cell}, {apart}"
             for lane in range(self.lanes):

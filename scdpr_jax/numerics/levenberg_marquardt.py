@@ -4,9 +4,10 @@ What is minimised is a merit with a Gauss–Newton model: a sum of squared resid
 of the worst of many. Where the residuals are a simulation's, an evaluation takes seconds and
 the algorithm nothing, and every use evaluates in its own way: in chunks over the runs of a
 campaign, for several starts in one batch, for the worst models alone. So the search is a
-generator. It yields the point that it wants evaluated, is sent the evaluation, and yields its
-minimum at last; `minimise` drives one, `minimise_together` several whose evaluations are made
-at once. Fits that are lanes of one compiled program share `damped_step`.
+generator. It yields points, the merits of which it is sent, the merit that it goes on from,
+which it is sent again with its Gauss–Newton model, and its minimum at last; `minimise` drives
+one, `minimise_together` several whose evaluations are made at once. Fits that are lanes of one
+compiled program share `damped_step`.
 
 A step solves $(M + \lambda D)\, \delta = -g$ over the unknowns that are free to move, with the
 gradient $g = J^T r$, the matrix $M = J^T J$ and its diagonal $D$: in units of the
@@ -25,6 +26,7 @@ Technical University of Denmark, 1999: `Damping.growth`.
 """
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Callable, Generator, Sequence
 from typing import Generic, TypeVar
@@ -54,6 +56,9 @@ class Damping:
     """Least damping after a step that didn't help [1]."""
     most: float = math.inf
     """Damping above which no step is tried: it would lead nowhere [1]."""
+    abreast: int = 1
+    """How many dampings are tried at once at the most, as many as didn't help in a row before:
+    for evaluations that are made side by side."""
     floor: float = 0.0
     r"""Share of the trace of $M$ that is added to each element of $D$ [1]: damps a direction
     that moves almost nothing."""
@@ -169,16 +174,22 @@ def minimise(
     Returns:
         The best point, converged or not.
     """
-    search = _search(start, lower=lower, damping=damping, stopping=stopping)
-    request, evaluations, steps, best = next(search), 0, -1, math.inf
-    while not isinstance(request, Minimum):
-        merit = evaluate(request)
-        evaluations += 1
-        if merit.cost < best:
-            best, steps = merit.cost, steps + 1
-        progress("", stopping.share_used(evaluations, steps))
-        request = search.send(merit)
-    return request
+    evaluations, steps, best = 0, -1, math.inf
+
+    def told(points: Sequence[Point]) -> list[AMerit]:
+        nonlocal evaluations, steps, best
+        merits = []
+        for point in points:
+            merits.append(evaluate(point))
+            evaluations += 1
+            if merits[-1].cost < best:
+                best, steps = merits[-1].cost, steps + 1
+            progress("", stopping.share_used(evaluations, steps))
+        return merits
+
+    options = {"stopping": stopping, "lower": lower, "damping": damping}
+    (found,) = minimise_together(told, [start], **options)
+    return found
 
 
 def minimise_together(
@@ -188,6 +199,7 @@ def minimise_together(
     stopping: Stopping,
     lower: Point | None = None,
     damping: Damping = MARQUARDT,
+    derive: Callable[[list[AMerit]], list[AMerit]] = list,
 ) -> list[Minimum[AMerit]]:
     """The minima that several starts lead to, their evaluations made at once.
 
@@ -197,6 +209,7 @@ def minimise_together(
         stopping: When each of them is to end.
         lower: Lower bounds; None for none.
         damping: How the damping follows from the steps.
+        derive: The same merits with gradient and matrix, where `evaluate` leaves them out.
 
     Returns:
         Where each start ended.
@@ -205,44 +218,75 @@ def minimise_together(
         _search(start, lower=lower, damping=damping, stopping=stopping) for start in starts
     ]
     requests = [next(search) for search in searches]
-    while rows := [k for k, r in enumerate(requests) if not isinstance(r, Minimum)]:
-        merits = evaluate([requests[k] for k in rows])
-        for k, merit in zip(rows, merits, strict=True):
-            requests[k] = searches[k].send(merit)
-    return requests
+    while True:
+        asking = [k for k, own in enumerate(requests) if isinstance(own, list)]
+        going_on = [k for k, own in enumerate(requests) if isinstance(own, Merit)]
+        if asking:
+            merits = iter(evaluate([point for k in asking for point in requests[k]]))
+            for k in asking:
+                own = list(itertools.islice(merits, len(requests[k])))
+                requests[k] = searches[k].send(own)
+        elif going_on:
+            for k, merit in zip(going_on, derive([requests[k] for k in going_on]), strict=True):
+                requests[k] = searches[k].send(merit)
+        else:
+            return requests
 
 
 def _search(
     start: Point, *, lower: Point | None, damping: Damping, stopping: Stopping
-) -> Generator[Point | Minimum[AMerit], AMerit, None]:
-    """The algorithm: yields the points that it wants evaluated, and its minimum at last."""
+) -> Generator[list[Point] | AMerit | Minimum[AMerit], list[AMerit] | AMerit, None]:
+    """The algorithm: yields what it wants evaluated or derived, and its minimum at last."""
     lower = np.full(len(start), -np.inf) if lower is None else lower
     point = np.maximum(start, lower)
-    best = yield point
+    (best,) = yield [point]
     history, evaluations, rejections, weight = [best.cost], 1, 0, damping.first
     ended = "unfinished" if np.isfinite(best.cost) else "infeasible"
     while ended == "unfinished" and not stopping.share_used(evaluations, len(history) - 1) >= 1:
-        step, promised = _step(best, point, lower, weight, damping.floor)
+        if not rejections:
+            best = yield best
+        weights = _weights(weight, rejections, damping, stopping, evaluations)
+        steps, promised = _steps(best, point, lower, weights, damping.floor)
         if stopping.undamped:
-            _, promised = _step(best, point, lower, _REGULAR, damping.floor)
-        if promised <= max(stopping.decrement, stopping.share * abs(best.cost)):
+            _, promised = _steps(best, point, lower, np.array([_REGULAR]), damping.floor)
+        enough = max(stopping.decrement, stopping.share * abs(best.cost))
+        useful = np.broadcast_to(promised > enough, weights.shape)
+        if not useful[0]:
             # A long step that promises nothing is the end; a damped one stands at a kink.
-            ended = "converged" if weight <= 1e-2 and promised > -math.inf else "stalled"
+            ended = "converged" if weight <= 1e-2 and promised[0] > -math.inf else "stalled"
             break
-        candidate = np.maximum(point + step, lower)
-        merit, evaluations = (yield candidate), evaluations + 1
-        if np.isfinite(merit.cost) and merit.cost < best.cost:
-            if best.cost - merit.cost < stopping.saving * abs(merit.cost):
-                ended = "converged"
-            point, best, rejections = candidate, merit, 0
-            weight = damping.lowered(weight)
-            history.append(best.cost)
-        else:
+        # In the order in which they would be tried one by one.
+        tried = np.maximum(point + steps[np.logical_and.accumulate(useful)], lower)
+        for candidate, merit in zip(tried, (yield [*tried]), strict=True):
+            evaluations += 1
+            if np.isfinite(merit.cost) and merit.cost < best.cost:
+                if best.cost - merit.cost < stopping.saving * abs(merit.cost):
+                    ended = "converged"
+                point, best, rejections = candidate, merit, 0
+                weight = damping.lowered(weight)
+                history.append(best.cost)
+                break
             rejections += 1
             weight = damping.raised(weight, rejections)
             if weight > damping.most or rejections == stopping.rejections:
                 ended = "stalled"
+                break
     yield Minimum(point, best, evaluations, ended, tuple(history))
+
+
+def _weights(
+    weight: float, rejections: int, damping: Damping, stopping: Stopping, evaluations: int
+) -> Float[np.ndarray, " tried"]:
+    """The dampings that are tried at once: those that follow where none of them helps."""
+    most = [min(max(rejections, 1), damping.abreast)]
+    if stopping.rejections is not None:
+        most.append(stopping.rejections - rejections)
+    if stopping.evaluations is not None:
+        most.append(stopping.evaluations - evaluations)
+    weights = [weight]
+    for further in range(1, min(most)):
+        weights.append(damping.raised(weights[-1], rejections + further))
+    return np.array(weights)
 
 
 def settled(minimum: Minimum[AMerit], lower: Point) -> Minimum[AMerit]:
@@ -261,7 +305,8 @@ def settled(minimum: Minimum[AMerit], lower: Point) -> Minimum[AMerit]:
     """
     if minimum.ended != "converged":
         return minimum
-    step, _ = _step(minimum.normal, minimum.point, lower, _REGULAR, 0.0)
+    undamped = np.array([_REGULAR])
+    (step,), _ = _steps(minimum.normal, minimum.point, lower, undamped, 0.0)
     return dataclasses.replace(minimum, point=np.maximum(minimum.point + step, lower))
 
 
@@ -280,28 +325,30 @@ def free_unknowns(normal: Merit, point: Point, lower: Point) -> Bool[np.ndarray,
     return (np.diag(normal.matrix) > 0) & ~stopped
 
 
-def _step(
-    merit: Merit, point: Point, lower: Point, damping: float, floor: float
-) -> tuple[Point, float]:
-    """A damped step, and by how much it promises to lower the merit."""
+def _steps(
+    merit: Merit, point: Point, lower: Point, dampings: Float[np.ndarray, " k"], floor: float
+) -> tuple[Float[np.ndarray, "k n"], Float[np.ndarray, " k"]]:
+    """Damped steps, and by how much each promises to lower the merit."""
     free = free_unknowns(merit, point, lower)
+    gradient, matrix = merit.gradient, merit.matrix
     try:
-        step = damped_step(merit.gradient, merit.matrix, damping, free=free, floor=floor)
+        steps = damped_step(gradient, matrix, dampings, free=free, floor=floor)
     except np.linalg.LinAlgError:
         # Overflowed derivatives, and those of unknowns that act as one to the last digit.
-        return np.zeros_like(point), -math.inf
-    return step, -float(2 * merit.gradient @ step + step @ merit.matrix @ step)
+        none = np.zeros((len(dampings), len(point)))
+        return none, np.full(len(dampings), -math.inf)
+    return steps, -(2 * steps @ gradient + np.sum(steps @ matrix * steps, axis=-1))
 
 
-FloatArray = Float[np.ndarray, "*searches n"] | Float[Array, "*searches n"]
+FloatArray = Float[np.ndarray, "*#searches n"] | Float[Array, "*#searches n"]
 
 
 def damped_step(
     gradient: FloatArray,
-    matrix: Float[np.ndarray, "*searches n n"] | Float[Array, "*searches n n"],
-    damping: float | Float[Array | np.ndarray, "*searches"],
+    matrix: Float[np.ndarray, "*#searches n n"] | Float[Array, "*#searches n n"],
+    damping: float | Float[Array | np.ndarray, "*#searches"],
     *,
-    free: Bool[np.ndarray, "*searches n"] | Bool[Array, "*searches n"] | None = None,
+    free: Bool[np.ndarray, "*#searches n"] | Bool[Array, "*#searches n"] | None = None,
     floor: float = 0.0,
 ) -> FloatArray:
     r"""The step $\delta$ with $(M + \lambda D)\, \delta = -g$ over the free unknowns.
@@ -313,7 +360,7 @@ def damped_step(
     Args:
         gradient: $g$, half the merit's gradient.
         matrix: $M$, half the second derivative of its Gauss–Newton model.
-        damping: $\lambda$ [1].
+        damping: $\lambda$ [1]; several for as many steps.
         free: Which unknowns may move; None for all that the matrix sees.
         floor: Share of $M$'s trace that is added to each element of its diagonal in $D$ [1].
 

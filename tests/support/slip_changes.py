@@ -159,9 +159,21 @@ def other_marker(run: Run) -> Run:
 
 
 def drive_gap(run: Run) -> Run:
-    d, rows = run.drive, len(run.drive.time)
+    rows = len(run.drive.time)
     keep = np.r_[0 : rows // 2, rows // 2 + rows // 12 : rows]
-    return drive(run, time=d.time[keep], voltage=d.voltage[keep], angle=d.angle[keep])
+    return kept(run, keep)
+
+
+def kept(run: Run, rows: np.ndarray) -> Run:
+    """The run with some of its drive's rows: every column that it has."""
+    return drive(
+        run,
+        **{
+            field.name: column[rows]
+            for field in dataclasses.fields(run.drive)
+            if isinstance(column := getattr(run.drive, field.name), np.ndarray)
+        },
+    )
 
 
 def camera_gap(run: Run) -> Run:
@@ -189,7 +201,7 @@ def cut(run: Run) -> Run:
     d, c = run.drive, run.camera
     begin = 0.6
     late, seen = d.time >= begin, c.time >= begin
-    run = drive(run, time=d.time[late] - begin, voltage=d.voltage[late], angle=d.angle[late])
+    run = drive(kept(run, late), time=d.time[late] - begin)
     run = camera(run, time=c.time[seen] - begin, position=c.position[seen])
     return dataclasses.replace(run, initial=None)
 

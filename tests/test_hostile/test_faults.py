@@ -199,6 +199,27 @@ def test_a_signal_ends_the_process_with_one_line(number, word, doing, tmp_path):
     assert everything(tmp_path) == (["whole"] if doing == "at renames" else [])
 
 
+INTERRUPTED = """
+import sys
+from experiments import cli
+
+class Interrupted:
+    def find_spec(self, name, path, target=None):
+        if name == "experiments.verbs.ending":
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interrupted())
+cli.main()
+"""
+
+
+def test_ctrl_c_while_the_command_is_loading_is_one_line(tmp_path):
+    child = begun(INTERRUPTED, tmp_path)
+    _, told = child.communicate(timeout=60)
+    assert child.returncode == 130
+    assert told.splitlines() == ["scdpr: stopped. No file is half written."]
+
+
 def test_who_is_begun_deaf_stays_deaf(tmp_path):
     script = WAITS.format(doing="in_python(1)")
     deaf = "import signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN)\n"

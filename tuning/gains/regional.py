@@ -192,7 +192,7 @@ def told(controller: PD, rows: Sequence[tuple[Legs, Shaper]]) -> Law:
 
     Args:
         controller: The gains of all.
-        rows: Legs with the shaper that they have.
+        rows: Legs with the shaper that they have, of `IMPULSES` impulses at the most.
 
     Returns:
         The laws, one a leg.
@@ -202,7 +202,7 @@ def told(controller: PD, rows: Sequence[tuple[Legs, Shaper]]) -> Law:
     times, amplitudes = (
         np.concatenate(
             [
-                np.tile(np.asarray(getattr(shaper, name)), (len(part), 1))
+                np.tile(np.asarray(getattr(padded(shaper, IMPULSES), name)), (len(part), 1))
                 for part, shaper in rows
             ]
         )

@@ -32,24 +32,26 @@ def planned(
     samples = int(np.ceil(leg.time / period - 1e-9))
     every = places(leg, period / 4 * np.arange(4 * samples + 1))
     lower, height = every.lower(coefficients), every.plain[0, :, 1]
-    lead = Lead(thirds(lower)[None], thirds(height)[None])
+    lead = Lead(thirds(lower)[None, None], thirds(height)[None, None])
     alone = scenarios(robot, FITTED)
     fitted = Leader(alone.robot)
     motion = every.motion(coefficients)
-    begins = motion.slope[None, :-1:2]
+    begins = motion.slope[None, None, :-1:2]
     halves = fitted.steps(period / 2)
-    run, positions, _ = fitted.follow(halves, starts(alone, leg), lead, begins)
-    middles = Moment(*(own[None, 2::4] for own in motion))
-    volts = fitted.commands(positions[:, 1::2], middles)
+    start = starts(alone, leg)
+    run, positions, _ = fitted.follow(halves, start, lead, begins)
+    middles = Moment(*(own[None, None, 2::4] for own in motion))
+    (volts,) = fitted.commands(positions[:, :, 1::2], middles)
     led = np.stack([lower, height], axis=1)[::4]
-    x = np.append(positions[0, ::2, 0], leg.end[0])
+    x = np.append(positions[0, 0, ::2, 0], leg.end[0])
     radius = np.asarray(robot.drive.effective_radius)
     way = led - led[0]
     angle = np.stack([way[:, 0] + way[:, 1], way[:, 0] - way[:, 1]], axis=1) / radius
     if float(robot.drive.compliance):
-        sampled_at = np.concatenate([positions[:, ::2], run.end.position[:, None]], axis=1)
-        sampled = Moment(*(own[None, ::4] for own in motion))
-        ahead = fitted.stretches(sampled_at, sampled)
+        end = run.end.position[:, :, None]
+        sampled_at = np.concatenate([positions[:, :, ::2], end], axis=2)
+        sampled = Moment(*(own[None, None, ::4] for own in motion))
+        (ahead,) = fitted.stretches(sampled_at, sampled)
         # The angles count from the begin, at which nothing has moved yet.
         ahead[0] = 0.0
         angle += ahead[:, None] / radius

@@ -59,18 +59,24 @@ class Places(NamedTuple):
     splines: Float[np.ndarray, "3 n splines"]
     """The splines [1; 1/s; 1/s²]."""
 
-    def lower(self, coefficients: Float[np.ndarray, " splines"]) -> Float[np.ndarray, " n"]:
+    def lower(
+        self, coefficients: Float[np.ndarray, "*motions splines"], derivative: int = 0
+    ) -> Float[np.ndarray, "*motions n"]:
         """Where the lower carriage is led.
 
         Args:
-            coefficients: Of the splines [m].
+            coefficients: Of the splines, of one motion or of several [m].
+            derivative: Which derivative by time.
 
         Returns:
-            Its positions [m].
+            Its positions [m], or their derivative.
         """
-        return self.plain[0, :, 0] + self.splines[0] @ coefficients
+        aside = coefficients @ self.splines[derivative].T
+        return self.plain[derivative, :, 0] + aside
 
-    def velocity(self, coefficients: Float[np.ndarray, " splines"]) -> Float[np.ndarray, "n 2"]:
+    def velocity(
+        self, coefficients: Float[np.ndarray, "*motions splines"]
+    ) -> Float[np.ndarray, "*motions n 2"]:
         """Led velocities of lower carriage and height.
 
         Args:
@@ -79,11 +85,9 @@ class Places(NamedTuple):
         Returns:
             The velocities [m/s].
         """
-        moved = self.plain[1].copy()
-        moved[:, 0] += self.splines[1] @ coefficients
-        return moved
+        return self._led(coefficients, 1)
 
-    def motion(self, coefficients: Float[np.ndarray, " splines"]) -> Moment:
+    def motion(self, coefficients: Float[np.ndarray, "*motions splines"]) -> Moment:
         """The led motion of lower carriage and height.
 
         Args:
@@ -92,9 +96,15 @@ class Places(NamedTuple):
         Returns:
             Positions, velocities and accelerations [m; m/s; m/s²].
         """
-        moved = self.plain.copy()
-        moved[..., 0] += self.splines @ coefficients
-        return Moment(*moved)
+        return Moment(*(self._led(coefficients, derivative) for derivative in range(3)))
+
+    def _led(
+        self, coefficients: Float[np.ndarray, "*motions splines"], derivative: int
+    ) -> Float[np.ndarray, "*motions n 2"]:
+        lower = self.lower(coefficients, derivative)
+        led = np.empty((*lower.shape, 2))
+        led[..., 0], led[..., 1] = lower, self.plain[derivative, :, 1]
+        return led
 
 
 def places(leg: Leg, time: Float[np.ndarray, " instants"]) -> Places:

@@ -48,8 +48,8 @@ class Pace:
         time = leg.moving / INSTANTS * np.arange(INSTANTS)
         value, slope, curvature = plain_moments(leg.course, time)
         still = np.broadcast_to(leg.course.begin, value.shape)
-        motion = Moment(still[None], slope[None], curvature[None])
-        rest = np.repeat(starts(self._alone, leg).position[:, None], INSTANTS, axis=1)
+        motion = Moment(*(own[None, None] for own in (still, slope, curvature)))
+        rest = np.repeat(starts(self._alone, leg).position[:, :, None], INSTANTS, axis=2)
         return float(np.max(np.abs(self._leader.commands(rest, motion))))
 
     def paced(self, leg: Leg) -> Leg:

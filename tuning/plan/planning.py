@@ -279,16 +279,18 @@ def _motion(
         leg = pace.paced(dataclasses.replace(leg, time=leg.time * LONGER))
     progress(f"motion in {leg.time:.3g} s for robots as they might be", 0.2)
     fine = about.every.misfit(leg, FINE)
-    return leg, min(search(leg, about), first, key=fine.cost)
+    found = np.stack([search(leg, about), first])
+    return leg, found[np.argmin(fine.costs(found))]
 
 
 def _is_good(fitted: Misfit, point: Float[np.ndarray, " splines"]) -> bool:
     """Whether the fitted robot is at rest at the target, and its drives within their limits."""
-    own, run = fitted.run(point)
-    vibration = float(fitted.arriving.vibrations(run, fitted.goals)[0])
-    rest = abs(float(fitted.arriving(run, fitted.goals).rest[0]))
+    points = point[None]
+    own, run = fitted.run(points)
+    vibration = float(fitted.arriving.vibrations(run, fitted.goals)[0, 0])
+    rest = abs(float(fitted.arriving(run, fitted.goals).rest[0, 0]))
     most = WITHIN * float(fitted.robots.robot.drive.voltage_limit[0])
-    asked = float(np.max(np.abs(fitted.commands(own, point))))
+    asked = float(np.max(np.abs(fitted.commands(own, points))))
     return vibration <= STILL and rest <= ON_TARGET and asked <= most
 
 

@@ -45,7 +45,7 @@ def run_comparison(comparison: Comparison) -> Figure:
     _legend(figure, seen)
     if comparison.held_out:
         figure.suptitle(
-            "NOT FITTED: predicted from the others",
+            "not fitted",
             color=style.RED_WORDS,
             weight="bold",
             ha="left",

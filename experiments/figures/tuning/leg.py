@@ -69,7 +69,7 @@ def leg(compared: Compared, *, leg_time: float, voltage_limit: float) -> Figure:
     others.set_xscale("log")
     style.decades(others.xaxis)
     others.set_axisbelow(True)
-    way.set(title="on the way", ylabel="way covered [mm]")
+    way.set(title="on the way", ylabel="distance covered [mm]")
     arrival.set(
         title=f"on arrival, and the band of ±{1e3 * SETTLED:g} mm",
         ylabel="xₑ from the target [mm]",

@@ -39,7 +39,7 @@ def path_in_space(before: InSpace, after: InSpace, *, names: Sequence[str]) -> F
     )
     for draw in (off.axhline, off.axvline):
         draw(0, color=style.GREY, lw=0.7)
-    way.set(title="the way", xlabel="xₑ [mm]", ylabel="yₑ [mm]")
+    way.set(title="the path", xlabel="xₑ [mm]", ylabel="yₑ [mm]")
     off.set(
         title="deviation; dots: where it rests",
         xlabel="across the frame [mm]",

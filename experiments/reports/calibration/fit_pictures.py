@@ -138,8 +138,8 @@ def _run(campaign: Campaign, comparison: Comparison, picture: Pictures) -> dict[
             ),
             picture(
                 residuals(comparison),
-                "What is left, in times of the sensor's noise, σ. A cloud inside the grey "
-                "band is noise; a wave or a step is something that the model doesn't have.",
+                "Residuals over the noise of the sensor, σ. A cloud inside the grey band is "
+                "noise; a wave or a step is an effect that the model lacks.",
                 seen=f"Residuals of run {comparison.name} over time. {_left(comparison)}",
             ),
         ],
@@ -152,4 +152,4 @@ def _left(comparison: Comparison) -> str:
         f"{COORDINATES[channel.name].symbol} {plain(channel.chi_square**0.5)}"
         for channel in comparison.channels
     )
-    return f"Left, in times of the noise: {told}."
+    return f"Residuals over the noise: {told}."

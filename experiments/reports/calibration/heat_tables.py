@@ -31,10 +31,9 @@ def misfit_heat(comparisons: Sequence[Comparison]) -> Heat:
     """
     limits = {kind: plain(math.sqrt(most)) for kind, most in NOISE_LIMIT.items()}
     return Heat(
-        "What the simulation leaves of each channel, rms, in times of the sensor's noise. Near "
-        f"1 nothing but noise is left (up to {limits['camera']} for the camera, "
-        f"{limits['encoder']} for an encoder, which rounds). Bold and framed: more than "
-        "noise, look at that run below.",
+        "Residuals of each channel, root mean square over the noise of the sensor. About 1 "
+        f"is noise alone (up to {limits['camera']} for the camera, {limits['encoder']} for an "
+        "encoder, which rounds). Bold and framed: more than noise, look at that run below.",
         tuple(coordinate.symbol for coordinate in COORDINATES.values()),
         tuple(
             Row(

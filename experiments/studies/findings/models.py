@@ -47,8 +47,8 @@ def combination_sentences(identifiable: Identifiability) -> tuple[str, ...]:
     if not untold:
         worst = identifiable.combinations[-1]
         return (
-            f"These logs tell all {len(identifiable.names)} quantities apart; the least sharp "
-            f"is {worst.text()}, {plain(1e2 * worst.sigma, 2)} % by the noise alone.",
+            f"These logs determine all {len(identifiable.names)} quantities; the least certain "
+            f"is {worst.text()}, to {plain(1e2 * worst.sigma, 2)} % by the noise alone.",
         )
     return tuple(
         f"These logs can't tell {combination.text()}: "

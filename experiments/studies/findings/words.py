@@ -107,7 +107,7 @@ def words_sure(
         *sentences,
         *implausible(estimate, campaign),
         *_clocks(campaign, estimate),
-        *_begun(campaign),
+        *_begun(campaign, estimate),
         *_skipped(campaign),
     )
 
@@ -226,11 +226,23 @@ def _clocks(campaign: Campaign, estimate: Estimate) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _begun(campaign: Campaign) -> tuple[str, ...]:
-    names = [run.name for run in campaign.runs if run.in_motion]
-    if not names:
+def _begun(campaign: Campaign, estimate: Estimate) -> tuple[str, ...]:
+    """How what begins in motion began: the end-effector's velocity, and the drives'."""
+    begun = []
+    for run in campaign.runs:
+        circumstances = estimate.circumstances.get(run.name)
+        if not run.in_motion or circumstances is None or circumstances.beginning is None:
+            continue
+        start = circumstances.beginning
+        drives = [plain(float(s), 3) for s in (start.drive_1_speed, start.drive_2_speed)]
+        body = (
+            "" if run.kind == "motor_step" else f"{plain(1e3 * float(start.speed), 3)} mm/s, "
+        )
+        begun.append(f"{run.name} {body}drives {drives[0]} and {drives[1]} rad/s")
+    if not begun:
         return ()
-    listed = ", ".join(names[:_LISTED]) + (" and more" if len(names) > _LISTED else "")
+    more = f"; and {len(begun) - _LISTED} more" if len(begun) > _LISTED else ""
+    listed = "; ".join(begun[:_LISTED]) + more
     return (f"Start velocities were estimated of what begins in motion: {listed}.",)
 
 

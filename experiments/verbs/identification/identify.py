@@ -149,7 +149,7 @@ def _one(
     from scdpr_jax.provenance import made_today
 
     question = _question(asked | {"hold_out": held_out})
-    with shown_progress(ERRORS, "identify") as progress:
+    with shown_progress(ERRORS, "identify", campaign) as progress:
         fitted, traced, drawn = identified(read, question, progress=progress)
     write_parameters(
         out / "parameters.json",

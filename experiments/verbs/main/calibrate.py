@@ -71,7 +71,7 @@ def calibrate(
     from identification.fit.unknowns.measured_text import parse_measured
 
     otherwise = tuple(map(parse_measured, measured))
-    with shown_progress(ERRORS, "calibrate") as progress, drawing_aside() as draw:
+    with shown_progress(ERRORS, "calibrate", campaign) as progress, drawing_aside() as draw:
         pictures = FitPictures(read, draw=draw)
         findings = pipeline.calibrate(
             read,
@@ -83,8 +83,9 @@ def calibrate(
             fitted=pictures.begin,
             progress=progress.part(0.0, 0.93),
         )
-        progress("report", 0.93)
-        written = write_calibration(findings, out, pictures=pictures)
+        written = write_calibration(
+            findings, out, pictures=pictures, progress=progress.part(0.93, 1.0)
+        )
     summary.show(OUT, findings)
     for note in findings.notes:
         say(f"note: {note}")

@@ -49,8 +49,13 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             fitted=pictures.begin,
             progress=progress.part(0.2, 0.95),
         )
-        progress("report", 0.95)
-        written = write_calibration(findings, out, truth=truth.values, pictures=pictures)
+        written = write_calibration(
+            findings,
+            out,
+            truth=truth.values,
+            pictures=pictures,
+            progress=progress.part(0.95, 1.0),
+        )
     summary.show(OUT, findings, truth=truth.values)
     wrote(logs, *written.paths)
     suggest(open_call(written.report), f"scdpr check {pasted(logs)}")

@@ -14,7 +14,7 @@ BEGIN = 0.06
 """Share of the swing that the end-effector has passed when it has begun to move."""
 
 
-OFFSET = 0.02
+OFFSET = 0.01
 """Share of the run's largest command that is a command, whatever unit it is in."""
 
 PUSHED_COUNTS = 5

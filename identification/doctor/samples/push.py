@@ -3,15 +3,18 @@ r"""When a push began and ended, between the frames that a camera took of it.
 Until the first swing is over the end-effector is an oscillator about the place $r(t)$ at which
 its cables pull to neither side, which the camera tells by the carriages and the rotation:
 
-$$ \ddot x = a\,[s \le t < s + d] - \omega^2 (x - r(t)) $$
+$$ \ddot x = a\,p((t - s) / d) - \omega^2 (x - r(t)) $$
 
-Its answer is linear in the place at rest and in $a$. Middle, length $d$ and $\omega$ are a grid
-of hypotheses, each with its likelihood, which closes in on those that count: the middle, since
-it is known a hundred times better than $s$ and $d$, which make up for each other. So the begin
-is known to a small part of a frame, with an error of its own: what the frames tell of it, and
-what they leave to the usual length of a push by hand. The first frame out of the noise is
-simpler and is late, by the way that the noise hides; where frames are many it is late by
-several of them.
+The shape $p$ is steady, as an actuator's, or half a sine, as a hand's. The answer is linear in
+the place at rest and in $a$. Middle, length $d$ and $\omega$ are a grid of hypotheses for each
+shape, each with its likelihood, which closes in on those that count: the middle, since it is
+known a hundred times better than $s$ and $d$, which make up for each other. Shapes count by
+their evidence. So the begin is known to a small part of a frame, with an error of its own: what
+the frames tell of it, and what they leave to the shape and to the usual length of a push.
+
+The first frame out of the noise is simpler and is late, by the way that the noise hides; where
+frames are many it is late by several of them. A shape left wholly open would tell no begin: a
+push that sets in softly moves nothing that noise doesn't hide for a third of its length.
 """
 
 import dataclasses
@@ -51,11 +54,26 @@ RESTING = 40
 PITCHES = (0.5, 12.0)
 """Lowest and highest frequency of the first swing [Hz]."""
 
-POINTS = 17, 11, 11
-"""Hypotheses of begin, length and frequency in each round."""
+DAMPING = 0.01
+"""Usual damping ratio of the swing [1]: in a window, none at all is out of the noise."""
 
-ROUNDS = 8
-"""Rounds of the grid, each as wide as the one before left it."""
+POINTS = 11, 11, 17
+"""Hypotheses of frequency, length and middle that are looked at first."""
+
+NUDGES = np.array([1e-4, 1e-4, 1e-6])
+"""What these are moved by to see what it does to the residuals."""
+
+STEPS = 25
+"""Most steps from the best of them to the least residuals."""
+
+SPAN = 4.0
+"""How many standard deviations about that the hypotheses that count are laid [1]."""
+
+ENOUGH = 1e-3
+"""What a last step gains of the squares [1]."""
+
+AROUND = 9
+"""How many they are along each axis."""
 
 STEP = 1e-3
 """Step that the place of rest is followed with, and the shortest push [s]."""
@@ -63,9 +81,17 @@ STEP = 1e-3
 CLOSE = 0.02
 """Least height of a cable that is reckoned with [m]."""
 
-SHAPE = 0.1
-"""What the begin of a push isn't known by, over its length [1]: a hand's push swells and ebbs,
-and moves the end-effector as a steady one does that begins an eighth of its length later."""
+PARTS = 6
+"""Steady parts that stand for half a sine: what it moves is then right to a thousandth."""
+
+SHAPES = np.ones(1), np.pi / 2 * np.sin(np.pi * (np.arange(PARTS) + 0.5) / PARTS)
+"""A push's force in equal parts of its length, over its mean: steady, and half a sine."""
+
+NEARLY = 0.99
+"""Share of the most likelihood within a frame that counts as the most."""
+
+SHAPE = 0.05
+"""What the begin of a push isn't known by, over its length [1]: its shape is neither."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -80,6 +106,20 @@ class Push:
     """How long it lasted [s]."""
     length_sigma: float
     """Standard error of that [s]."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Grid:
+    """Hypotheses of a push of one shape that count."""
+
+    begins: Float64[np.ndarray, "pitches centres lengths"]
+    """When the push begins [s]."""
+    lengths: Float64[np.ndarray, "pitches centres lengths"]
+    """How long it lasts [s]."""
+    costs: Float64[np.ndarray, "pitches centres lengths"]
+    """Squares of what the frames and the usual length leave, in units of the noise."""
+    cell: float
+    """Size of the cell that each hypothesis stands for."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -120,20 +160,112 @@ def push(record: Record, rig: Rig, moved: Onset) -> Push | None:
 
 def _fitted(window: _Window, moved: Onset, *, earliest: float, longest: float) -> Push:
     """Means and standard deviations over the hypotheses that count."""
-    low = np.array([max(moved.before - EARLY, earliest), math.log(STEP), math.log(PITCHES[0])])
-    high = np.array([moved.after + longest / 2, math.log(longest), math.log(PITCHES[1])])
-    first, last = low, high
-    for _ in range(ROUNDS):
-        axes = [np.linspace(a, b, n) for a, b, n in zip(first, last, POINTS, strict=True)]
-        weight = _weights(window, *axes)
-        middle, spread = np.array([_moments(a, w) for a, w in _along(axes, weight)]).T
-        width = np.array([axis[1] - axis[0] for axis in axes])
-        reach = np.maximum(4 * spread, 3 * width)
-        first, last = np.maximum(middle - reach, low), np.minimum(middle + reach, high)
-    lengths = np.exp(axes[1])
-    begin, begin_sigma = _moments(axes[0][:, None] - lengths / 2, weight.sum(axis=2))
-    length, length_sigma = _moments(lengths, weight.sum(axis=(0, 2)))
-    return Push(begin, math.hypot(begin_sigma, SHAPE * length), length, length_sigma)
+    low = np.array([math.log(PITCHES[0]), math.log(STEP), max(moved.before - EARLY, earliest)])
+    high = np.array([math.log(PITCHES[1]), math.log(longest), moved.after + longest / 2])
+    grids = [_closed_in(window, shape, low, high) for shape in SHAPES]
+    least = min(float(grid.costs.min()) for grid in grids)
+    scale = _scale(window, least)
+    share = np.stack([g.cell * np.exp((least - g.costs) / (2 * scale)) for g in grids])
+    begins = np.stack([grid.begins for grid in grids])
+    begin = _likeliest(begins, share, within=float(np.median(np.diff(window.time))))
+    length, length_sigma = _moments(np.stack([grid.lengths for grid in grids]), share)
+    begin_sigma = math.hypot(_moments(begins, share)[1], SHAPE * length)
+    return Push(begin, begin_sigma, length, length_sigma)
+
+
+def _likeliest(
+    begins: Float64[np.ndarray, "..."], share: Float64[np.ndarray, "..."], *, within: float
+) -> float:
+    """The begin that most of the likelihood is within a frame of.
+
+    Shapes that the frames can't tell apart have begins of their own. A mean would lie between
+    them, where none has it.
+    """
+    mean, spread = _moments(begins, share)
+    tried = mean + np.linspace(-2, 2, 41) * spread
+    near = [float(np.sum(share[np.abs(begins - begin) < within])) for begin in tried]
+    most = np.flatnonzero(np.array(near) > NEARLY * max(near))
+    return float(np.mean(tried[most]))
+
+
+def _scale(window: _Window, least: float) -> float:
+    """Variance over the noise's: where the best leaves more, its residuals are the measure."""
+    return max(least / max(len(window.time) - 5, 1), 1.0)
+
+
+def _closed_in(
+    window: _Window,
+    shape: Float64[np.ndarray, " parts"],
+    low: Float64[np.ndarray, "3"],
+    high: Float64[np.ndarray, "3"],
+) -> _Grid:
+    """The best push of one shape, and the hypotheses about it.
+
+    They lie along the axes in which the residuals tell them apart: where frames are many, the
+    likelihood is a ridge that no grid along the numbers themselves would meet.
+    """
+    axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, POINTS, strict=True)]
+    lengths, centres = np.meshgrid(axes[1], axes[2])
+    costs = np.stack([_costs(window, shape, pitch, lengths, centres) for pitch in axes[0]])
+    row = np.unravel_index(int(costs.argmin()), costs.shape)
+    first = np.array([axes[0][row[0]], axes[1][row[2]], axes[2][row[1]]])
+    best, jacobian, least = _descended(window, shape, first, low, high)
+    # What the frames don't tell is left to the ranges.
+    known = jacobian.T @ jacobian / _scale(window, least) + np.diag((2 / (high - low)) ** 2)
+    root = np.linalg.cholesky(np.linalg.inv(known))
+    along = np.linspace(-SPAN, SPAN, AROUND)
+    unit = np.stack(np.meshgrid(along, along, along, indexing="ij"), axis=-1)[..., [0, 2, 1]]
+    laid = np.moveaxis(best + unit @ root.T, -1, 0)
+    pitches, lengths, centres = laid
+    # The first axis alone moves the frequency: `root` is a triangle.
+    costs = np.stack(
+        [
+            _costs(window, shape, float(pitch[0, 0]), length, centre)
+            for pitch, length, centre in zip(pitches, lengths, centres, strict=True)
+        ]
+    )
+    outside = [(n < a) | (n > b) for n, a, b in zip(laid, low, high, strict=True)]
+    costs[np.any(outside, axis=0)] = np.inf
+    lasting = np.exp(lengths)
+    return _Grid(centres - lasting / 2, lasting, costs, float(np.linalg.det(root)))
+
+
+def _descended(
+    window: _Window,
+    shape: Float64[np.ndarray, " parts"],
+    point: Float64[np.ndarray, "3"],
+    low: Float64[np.ndarray, "3"],
+    high: Float64[np.ndarray, "3"],
+) -> tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "rows 3"], float]:
+    """The push of least residuals by Levenberg and Marquardt, its Jacobian and its cost."""
+    residual = _residual(window, shape, point)
+    damping = 1e-3
+    jacobian = _jacobian(window, shape, point, residual)
+    for _ in range(STEPS):
+        normal = jacobian.T @ jacobian
+        normal[np.diag_indices(3)] *= 1 + damping
+        normal[np.diag_indices(3)] += 1e-9
+        step = np.linalg.solve(normal, jacobian.T @ residual)
+        tried = np.clip(point - step, low, high)
+        after = _residual(window, shape, tried)
+        gained = float(residual @ residual - after @ after)
+        damping *= 0.2 if gained > 0 else 5
+        if gained > 0:
+            point, residual = tried, after
+            jacobian = _jacobian(window, shape, point, residual)
+        if 0 <= gained < ENOUGH:
+            break
+    return point, jacobian, float(residual @ residual)
+
+
+def _jacobian(
+    window: _Window,
+    shape: Float64[np.ndarray, " parts"],
+    point: Float64[np.ndarray, "3"],
+    residual: Float64[np.ndarray, " rows"],
+) -> Float64[np.ndarray, "rows 3"]:
+    nudged = [_residual(window, shape, point + nudge) for nudge in np.diag(NUDGES)]
+    return (np.stack(nudged, axis=-1) - residual[:, None]) / NUDGES
 
 
 def _window(record: Record, rig: Rig, moved: Onset, length: float) -> _Window | None:
@@ -185,51 +317,69 @@ def _followed(
     return np.interp(grid, stamps[seen], column[seen])
 
 
-def _weights(
-    window: _Window,
-    centres: Float64[np.ndarray, " centres"],
-    lengths: Float64[np.ndarray, " lengths"],
-    pitches: Float64[np.ndarray, " pitches"],
-) -> Float64[np.ndarray, "centres lengths pitches"]:
-    """How likely each hypothesis is; lengths and pitches are logarithms."""
-    costs = np.stack(
-        [_costs(window, centres, np.exp(lengths), 2 * np.pi * math.exp(p)) for p in pitches], -1
-    )
-    # Where even the best one leaves more than noise, its residuals are the measure.
-    freedom = max(len(window.time) - 5, 1)
-    scale = max(float(costs.min()) / freedom, 1.0)
-    usual = ((lengths - math.log(USUAL)) / SPREAD) ** 2
-    log = -0.5 * ((costs - costs.min()) / scale + usual[:, None])
-    weight = np.exp(log - log.max())
-    return weight / weight.sum()
+def _residual(
+    window: _Window, shape: Float64[np.ndarray, " parts"], point: Float64[np.ndarray, "3"]
+) -> Float64[np.ndarray, " rows"]:
+    """What the best place and the best force leave, and how unusual the length is."""
+    pitch, length, centre = point
+    signal = _signal(window, float(pitch))
+    lengths, centres = np.full((1, 1), length), np.full((1, 1), centre)
+    answer = _answers(window, shape, float(pitch), lengths, centres)[0, 0]
+    square = float(answer @ answer)
+    left = signal - answer * (answer @ signal / square) if square > 0 else signal
+    return np.append(left, (length - math.log(USUAL)) / SPREAD)
 
 
 def _costs(
     window: _Window,
-    centres: Float64[np.ndarray, " centres"],
-    lengths: Float64[np.ndarray, " lengths"],
-    omega: float,
+    shape: Float64[np.ndarray, " parts"],
+    pitch: float,
+    lengths: Float64[np.ndarray, "centres lengths"],
+    centres: Float64[np.ndarray, "centres lengths"],
 ) -> Float64[np.ndarray, "centres lengths"]:
-    """Squares of what the best place and the best push leave, in units of the noise."""
-    signal = (window.place - _carried(window, omega)) / window.sigma
-    signal = signal - signal.mean()
-    since = (window.time - centres[:, None])[:, None]
-    half = lengths[:, None] / 2
-    answer = _answer(since + half, omega) - _answer(since - half, omega)
-    answer = answer - answer.mean(axis=-1, keepdims=True)
+    """Squares of these, for many hypotheses of one frequency."""
+    signal = _signal(window, pitch)
+    answer = _answers(window, shape, pitch, lengths, centres)
     square = np.sum(answer**2, axis=-1)
-    along = answer @ signal
-    return signal @ signal - along**2 / np.where(square > 0, square, np.inf)
+    along = (answer @ signal) ** 2 / np.where(square > 0, square, np.inf)
+    return signal @ signal - along + ((lengths - math.log(USUAL)) / SPREAD) ** 2
+
+
+def _signal(window: _Window, pitch: float) -> Float64[np.ndarray, " frames"]:
+    """What the push alone has moved, about its mean, in units of the noise."""
+    signal = (window.place - _carried(window, 2 * np.pi * math.exp(pitch))) / window.sigma
+    return signal - signal.mean()
+
+
+def _answers(
+    window: _Window,
+    shape: Float64[np.ndarray, " parts"],
+    pitch: float,
+    lengths: Float64[np.ndarray, "centres lengths"],
+    centres: Float64[np.ndarray, "centres lengths"],
+) -> Float64[np.ndarray, "centres lengths frames"]:
+    """What a push of each hypothesis moves, about its mean."""
+    since = window.time - centres[..., None]
+    lasting = np.exp(lengths)[..., None]
+    omega = 2 * np.pi * math.exp(pitch)
+    answer = np.zeros_like(since)
+    # Steady parts that follow each other are steps of the force at their borders.
+    borders = np.linspace(-0.5, 0.5, len(shape) + 1)
+    for border, step in zip(borders, np.diff(shape, prepend=0.0, append=0.0), strict=True):
+        answer += step * _answer(since - border * lasting, omega)
+    return answer - answer.mean(axis=-1, keepdims=True)
 
 
 def _answer(since: Float64[np.ndarray, "..."], omega: float) -> Float64[np.ndarray, "..."]:
     """What a push of 1 m/s^2 that lasts has moved after some time, in 1/omega^2."""
-    return np.where(since > 0, 2 * np.sin(0.5 * omega * np.maximum(since, 0.0)) ** 2, 0.0)
+    turned = omega * np.maximum(since, 0.0)
+    return 1 - np.exp(-DAMPING * turned) * (np.cos(turned) + DAMPING * np.sin(turned))
 
 
 def _carried(window: _Window, omega: float) -> Float64[np.ndarray, " frames"]:
     """How far the carriages' own motion has taken the end-effector by each frame [m]."""
-    cosine, sine = math.cos(omega * STEP), math.sin(omega * STEP)
+    decay = math.exp(-DAMPING * omega * STEP)
+    cosine, sine = decay * math.cos(omega * STEP), decay * math.sin(omega * STEP)
     x, v = 0.0, 0.0  # the place, and the speed over omega
     places = np.empty(len(window.grid))
     for step, rest in enumerate(window.pulled):
@@ -239,20 +389,9 @@ def _carried(window: _Window, omega: float) -> Float64[np.ndarray, " frames"]:
     return np.interp(window.time, window.grid + STEP, places)
 
 
-def _along(
-    axes: list[Float64[np.ndarray, " _"]],
-    weight: Float64[np.ndarray, "centres lengths pitches"],
-) -> list[tuple[Float64[np.ndarray, " _"], Float64[np.ndarray, " _"]]]:
-    """Each axis with the weights along it."""
-    return [
-        (axis, weight.sum(axis=tuple(other for other in range(3) if other != k)))
-        for k, axis in enumerate(axes)
-    ]
-
-
 def _moments(
     number: Float64[np.ndarray, "..."], weight: Float64[np.ndarray, "..."]
 ) -> tuple[float, float]:
     """Mean and standard deviation."""
-    mean = float(np.sum(weight * number))
-    return mean, float(np.sqrt(np.sum(weight * (number - mean) ** 2)))
+    mean = float(np.sum(weight * number) / np.sum(weight))
+    return mean, math.sqrt(float(np.sum(weight * (number - mean) ** 2) / np.sum(weight)))

@@ -16,6 +16,9 @@ REACH = 1.0
 """How far off a stated clock is looked for [s], about what is stated and about a common
 start of both streams."""
 
+MEAN = 0.1
+"""What a drift makes of an offset in the middle of a run, at most [s]."""
+
 LARGEST_RATE = 50.0
 """Factor of a rate that is looked for; beyond it, it is a unit."""
 
@@ -45,7 +48,12 @@ def _drift(case: Case) -> Undone | None:
     if terms is None or abs(terms.drift) > 0.2:
         return None
     step = {"do": "scale", "columns": [TIMES[1]], "factor": 1 - terms.drift}
-    return Undone(affine(case, TIMES[1:], 1 - terms.drift), step, terms.drift)
+    straight = affine(case, TIMES[1:], 1 - terms.drift)
+    found = [r for r in straight.filmed if r.offset_known and r.offset != r.run.clock_offset]
+    # An offset that was found before the drift was its mean over the run.
+    left = alignment(straight, found, reach=MEAN, step=MEAN / 5)
+    moved = [dataclasses.replace(r, offset=r.offset + left) for r in found if left is not None]
+    return Undone(straight.updated(moved), step, terms.drift)
 
 
 def _rate(case: Case, *, simple: bool) -> Undone | None:

@@ -10,14 +10,13 @@ tried; and where that doesn't, two slips, each of the three best ones followed b
 """
 
 import math
-from collections.abc import Collection
-from typing import NamedTuple
+from collections.abc import Collection, Mapping
+from typing import Any, NamedTuple
 
 from identification.doctor.case import Case
 from identification.doctor.findings import Finding
 from identification.doctor.relations import Examination, examination, may_help
 from identification.doctor.slips.catalogue import CATALOGUE
-from identification.doctor.slips.edits import Undone
 from identification.doctor.slips.slip import Slip
 from identification.doctor.words import explained
 
@@ -52,10 +51,11 @@ class Explanation(NamedTuple):
     """Severity that is left, and the price of a second slip."""
     slips: tuple[Slip, ...]
     """The slips."""
-    undone: tuple[Undone, ...]
+    steps: tuple[Mapping[str, Any], ...]
     """How they were undone."""
-    examination: Examination
-    """What the sensors say then."""
+    examination: Examination | None
+    """What the sensors say then; None of what isn't among the three best, as each holds signals
+    of its own, and fifty of them would be ten times the log."""
 
     @property
     def rank(self) -> float:
@@ -124,12 +124,12 @@ def _concluded(base: Examination) -> tuple[Case, tuple[Finding, ...]]:
         explained(
             slip.id,
             slip.what,
-            undone.step,
+            step,
             figures=figures,
             runs=names,
             alternatives=_alternatives(options),
         )
-        for slip, undone in zip(best.slips, best.undone, strict=True)
+        for slip, step in zip(best.slips, best.steps, strict=True)
     )
     return best.examination.case, findings
 
@@ -148,12 +148,14 @@ def _search(base: Examination, without: Collection[str] = ()) -> list[Explanatio
             continue
         # What is worse than the three best ones by the margin of an alternative is neither
         # told nor followed by a second slip: it needn't be known how much worse.
-        best = sorted(each.left for each in found)[:BEST]
+        best = sorted({each.rank for each in found})[:BEST]
         enough = best[-1] + MARGIN if len(best) == BEST else math.inf
         after = examination(undone.case, base, enough=enough)
         left = after.severity + VANISHED * _vanished(base, after, slip)
-        found.append(Explanation(left, (slip,), (undone,), after))
-    return sorted(found, key=lambda each: each.rank)  # stable: ties keep their order
+        found.append(Explanation(left, (slip,), (undone.step,), after))
+        found.sort(key=lambda each: each.rank)  # stable: ties keep their order
+        found[BEST:] = [each._replace(examination=None) for each in found[BEST:]]
+    return found
 
 
 def _vanished(base: Examination, after: Examination, slip: Slip) -> int:
@@ -174,12 +176,14 @@ def _gained(examination: Examination) -> set[str]:
 def _pairs(first: list[Explanation]) -> list[Explanation]:
     """The best second slip after each of the three best first ones, beside single ones."""
     found = list(first)
-    for start in first[:BEST]:
+    # Drives 1 and 2 often leave the same: what leaves as much as another is followed once.
+    starts = {each.rank: each for each in reversed(first)}
+    for start in [starts[rank] for rank in sorted(starts)[:BEST]]:
         found += [
             Explanation(
                 then.left + (PRICE if then.left > 0 else SURE),
                 (*start.slips, *then.slips),
-                (*start.undone, *then.undone),
+                (*start.steps, *then.steps),
                 then.examination,
             )
             for then in _search(start.examination, (start.slips[0].id,))[:1]

@@ -124,8 +124,10 @@ kept:
 %useful = call i64 @llvm.smax.i64(i64 %busy.most, i64 1)
 %others = sub i64 %useful, 1
 %users = add i64 %useful, 1"""
+        # All robots are one team.
+        values = dict.fromkeys(("next", "done", "begun"), "0") | {"team": "%robots"}
         for place, word in enumerate(TASK):
-            value = "0" if word in ("next", "done", "begun") else f"%{word}"
+            value = values.get(word, f"%{word}")
             yield from self._store(f"i64 {value}", "%task", 8 * place)
 
     def _shared(self) -> Iterator[str]:
@@ -220,6 +222,7 @@ over:"""
             many = "%tangents" if own.each else "1"
             yield f"{tag}.tangent = add i64 0, 1"
             yield f"{tag}.one = mul i64 {tag}.whole, {many}"
+        yield f"{tag}.team = add i64 0, 0"
         yield f"{tag}.alone = icmp eq i64 {tag}.robots, 1"
         yield f"{tag}.robot = select i1 {tag}.alone, i64 0, i64 {tag}.one"
 

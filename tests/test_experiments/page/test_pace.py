@@ -62,61 +62,62 @@ def test_the_first_time_is_no_measure_for_the_second(tmp_path):
     (first, again) = USUAL["tune"]
     assert expected("tune", file) == first
     keep("tune", Pace(3 * first.total, ((0.5, 0.9),)), file)
-    assert expected("tune", file) == again.scaled(3 * again.total)
-    keep("tune", KNOWN, file)
-    assert expected("tune", file) == KNOWN
+    second = expected("tune", file)
+    assert (second.total, second.points) == (3 * again.total, again.points)
+
+
+def test_what_a_calibration_has_compiled_is_compiled_for_its_stages(tmp_path):
+    file = tmp_path / "paces.json"
+    keep("calibrate", KNOWN, file)
+    assert expected("identify", file) == USUAL["identify"][1]
+
+
+def test_the_same_input_counts_more_than_the_last_one(tmp_path):
+    file = tmp_path / "paces.json"
+    for given, total in (("long", 40.0), ("short", 4.0), ("long", 40.0), ("short", 4.0)):
+        keep("sweep", Pace(total, ()), file, given=given)
+    assert expected("sweep", file, given="long").total == 40.0
+    assert expected("sweep", file, given="new").total == 4.0
+
+
+def test_a_moment_is_the_mean_of_the_calls_before():
+    last, pace = Pace(10.0, ((0.5, 0.4),)), Pace(30.0, ((0.5, 0.6),))
+    assert pace.after(last) == Pace(30.0, ((0.5, 0.5),))
+
+
+def test_a_call_that_waits_from_its_middle_on_is_told_within_half_of_what_is_left():
+    even = Pace(10.0, tuple((n / 20, n / 20) for n in range(1, 20)))
+    clock = Clock(even, 0.0)
+    for n in range(1, 20):  # 5 s for the first half, 7.5 s for the second
+        now = n / 2 if n <= 10 else 5.0 + 0.75 * (n - 10)
+        clock.tell(n / 20, now)
+        left = clock.standing(now).left
+        if n >= 12:
+            assert (12.5 - now) / 1.5 <= left <= 1.5 * (12.5 - now)
+
+
+def test_what_passes_before_the_first_stage_has_its_time_as_well():
+    first = Clock(EVEN, 0.0)
+    for share, now in ((0.0, 4.0), (0.5, 6.0)):
+        first.tell(share, now)
+    again = Clock(first.pace(10.0), 0.0)
+    again.tell(0.0, 4.0)
+    assert math.isclose(again.standing(4.0).share, 0.4)
+
+
+def test_only_the_last_paces_are_kept(tmp_path):
+    file = tmp_path / "paces.json"
+    for n in range(60):
+        keep("sweep", Pace(n + 1.0, ()), file, given=str(n))
+    assert expected("sweep", file, given="59").total == 60.0
+    assert expected("sweep", file, given="0").total == 60.0  # as the last one
+    assert len(json.loads(file.read_text())) <= 50
 
 
 def test_a_spoilt_file_of_paces_is_as_none(tmp_path):
     file = tmp_path / "paces.json"
-    for text in ("", "{", "[]", '{"tune": 3}', json.dumps({"tune": {"total": "x"}})):
+    for text in ("", "{", "[]", '{"sweep": 3}', '{"sweep": ["x", []]}', '{"sweep": [0, []]}'):
         file.write_text(text)
         assert expected("sweep", file) == EVEN
     keep("sweep", KNOWN, file)
-    assert expected("sweep", file) == KNOWN
-
-
-WORKED = Pace(10.0, ((0.2, 0.5), (0.6, 0.7)), (5.0, 7.0, 10.0))
-
-
-def test_where_others_take_the_processor_a_part_goes_by_what_it_has_worked():
-    # As much work as the last time, in three times the time.
-    clock = Clock(WORKED, 0.0, 100.0)
-    told = {15: 0.2, 21: 0.6}
-    for now in range(1, 30):
-        used = 100.0 + now / 3
-        if now in told:
-            clock.tell(told[now], float(now), used)
-        standing = clock.standing(float(now), used)
-        if now >= 15:
-            assert (30 - now) / 1.5 <= standing.left <= 1.5 * (30 - now)
-        if now <= 24:  # then it slows down, as it might take longer
-            assert math.isclose(standing.share, now / 30, abs_tol=0.02)
-
-
-def test_what_others_have_worked_goes_by_the_clock():
-    waits = Pace(10.0, ((0.5, 0.5),), (0.1, 0.2))
-    clock = Clock(waits, 0.0)
-    assert math.isclose(clock.standing(2.0, 0.01).share, 0.2)
-
-
-def test_processor_time_is_kept(tmp_path):
-    file = tmp_path / "paces.json"
-    clock = Clock(EVEN, 0.0, 2.0)
-    clock.tell(0.5, 4.0, 5.0)
-    keep("sweep", clock.pace(8.0, 9.0), file)
-    assert expected("sweep", file) == Pace(8.0, ((0.5, 0.5),), (3.0, 7.0))
-
-
-def test_what_slows_down_in_the_middle_is_told_sooner_than_by_the_mean():
-    # Half as fast from the middle on: 5 s for the first half, 10 s for the second.
-    even = Pace(
-        10.0, tuple((n / 20, n / 20) for n in range(1, 20)), tuple(map(float, range(20)))
-    )
-    clock = Clock(even, 0.0)
-    for n in range(1, 20):
-        now = n / 2 if n <= 10 else 5.0 + (n - 10)
-        clock.tell(n / 20, now, float(n - 1))
-        left = clock.standing(now, float(n - 1)).left
-        if 14 <= n <= 18:
-            assert (15 - now) / 1.5 <= left <= 15 - now
+    assert expected("sweep", file).total == KNOWN.total

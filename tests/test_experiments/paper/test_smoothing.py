@@ -64,6 +64,7 @@ def test_derivatives_that_are_a_hundredth_off_are_told_from_differences():
     assert difference_error(off) == pytest.approx(0.01 / 1.01, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_derivative_where_carriages_are_held_approaches_the_exact_one(wide_and_narrow, truth):
     wide, narrow = (
         gradient_error(model(AT_TRUTH), truth, frame=-1) for model in wide_and_narrow

@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import importlib.resources
 import re
 import signal
 import subprocess
@@ -78,6 +79,21 @@ CONTRAST = """(() => {
 """Words whose contrast to their ground is below WCAG's 4.5."""
 
 
+AXE = importlib.resources.files("axe_core_python").joinpath("axe.min.js").read_text("utf-8")
+"""Rules of WCAG and of good practice, as others check them."""
+
+RULES = """axe.run({exclude: [["svg > *"]]}, {resultTypes: ["violations"]}).then((found) =>
+  found.violations.map((own) => [own.id, ...own.nodes.map((node) => node.html)]))"""
+"""What they find. A picture is one thing with a name to it, and has thousands of parts."""
+
+
+def broken_rules(page):
+    """What axe finds on a page as it is shown."""
+    page.ask("document.querySelectorAll('details').forEach((own) => (own.open = true))")
+    page.ask(f"{AXE}; 0")
+    return page.ask(RULES)
+
+
 @pytest.fixture(scope="module")
 def page():
     with browser() as opened:
@@ -139,6 +155,20 @@ def test_nothing_of_a_report_is_cut_unnamed_or_faint(page, report, width, dark):
     page.show(report, width=width, dark=dark)
     assert look(page) == []
     assert page.ask("document.documentElement.scrollWidth") == width
+
+
+@pytest.mark.parametrize("dark", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_report_breaks_no_rule_of_accessibility(page, report, dark):
+    page.show(report, width=1200, dark=dark)
+    assert broken_rules(page) == []
+
+
+def test_a_page_that_breaks_rules_of_accessibility_is_found_out(page, tmp_path):
+    bad = tmp_path / "bad.html"
+    bad.write_text('<html><p style="color: #999">faint</p><img src="x.png"><input></html>')
+    page.show(bad.as_uri(), width=1200)
+    names = {name for name, *_ in broken_rules(page)}
+    assert names >= {"color-contrast", "image-alt", "label", "html-has-lang", "document-title"}
 
 
 def test_what_is_looked_for_is_found_where_it_is(page, tmp_path):
@@ -204,7 +234,7 @@ def test_a_leg_is_planned_while_a_slider_moves(page, tmp_path):
     )
     with shown(write_results(tmp_path)) as address:
         page.show(f"{address}runs?run=0002-manoeuvre", width=360)
-        assert look(page) == []
+        assert look(page) == broken_rules(page) == []
         page.show(f"{address}plan", width=360)
         page.wait(ready, seconds=60)
         before = page.ask("planned.innerText")
@@ -212,5 +242,5 @@ def test_a_leg_is_planned_while_a_slider_moves(page, tmp_path):
         page.wait(f"{ready} && planned.innerText !== {before!r}")
         assert "to_x=1.2" in page.ask("document.querySelector('[href^=\"/plan.csv\"]').href")
         assert page.ask("location.search").endswith("time=2")
-        assert look(page) == []
+        assert look(page) == broken_rules(page) == []
         assert page.ask(SMALL) == []

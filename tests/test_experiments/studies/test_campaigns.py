@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 from experiments.cli import main
+from experiments.runtime.executors.chosen import chosen
 from experiments.runtime.executors.here import ThisProcess
-from experiments.runtime.executors.processes import Processes
 from experiments.runtime.parcel import unpacked
 from experiments.studies.campaigns.files import packed_files, unpack_files
 from experiments.studies.campaigns.identified import Question, identified
@@ -229,13 +229,19 @@ def test_a_reason_makes_no_row_of_its_own(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_hundred_campaigns_give_the_same_bytes_by_one_process_and_by_two(tmp_path):
+def test_a_hundred_campaigns_give_the_same_bytes_whoever_computes_them(tmp_path, monkeypatch):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
     for seed in range(100):
         write_campaign(campaign(draw(seed), seed), tmp_path / "rigs" / f"rig-{seed:03d}")
-    found = {}
-    for number, executor in enumerate((ThisProcess(), Processes(2))):
-        out = tmp_path / f"out-{number}"
-        identify_campaigns(places([tmp_path / "rigs"]), Question(), out, executor=executor)
-        found[number] = contents(out)
-    assert found[0] == found[1]
-    assert len(found[0]) == 102
+    found = []
+    for cluster, cores in ((None, 1), (None, 2), ("local:4", 1)):
+        out = tmp_path / f"out-{len(found)}"
+        with chosen(cluster, None, cores) as executor:
+            batch = identify_campaigns(
+                places([tmp_path / "rigs"]), Question(), out, executor=executor
+            )
+        found.append(contents(out))
+    assert found[0] == found[1] == found[2]
+    # Two tables, and parameters of each but what contradicts itself by chance: one of these.
+    assert len(found[0]) == 102 - len(batch.failed)
+    assert len(batch.failed) <= 2

@@ -171,7 +171,7 @@ def test_38_text_and_table_have_one_measure_of_misfit():
     heat = misfit_heat(estimate.comparisons)
     (row,) = (row for row in heat.rows if row.name == worst.run)
     assert times in [cell.text for cell in row.cells]
-    assert "in times of the sensor's noise" in heat.caption
+    assert "over the noise of the sensor" in heat.caption
 
 
 def test_39_the_readme_puts_the_command_on_the_path_before_it_is_tried():

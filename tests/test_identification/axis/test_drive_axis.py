@@ -78,6 +78,7 @@ def recoveries():
     ]
 
 
+@pytest.mark.slow
 def test_the_truth_is_found_from_starts_three_times_off(recoveries):
     errors = np.array([values(recovery.parameters) for recovery in recoveries]) - TRUTH
     sigma = np.array([values(recovery.sigma) for recovery in recoveries])

@@ -32,6 +32,7 @@ def test_an_axis_that_resists_one_way_more_gets_the_extended_law():
     assert abs(float(laws.extended.parameters.viscous_difference) + 80.0) < 1.0
 
 
+@pytest.mark.slow
 def test_an_axis_that_does_not_keeps_the_usual_law():
     laws = axis_laws(log_of(90.0, 190.0, 22.0, -3.0), gain=GAIN)
     assert laws.preferred is laws.usual

@@ -125,6 +125,7 @@ def test_the_record_of_the_gradient_test_sticks_and_reverses():
     assert np.any(moves < 0)
 
 
+@pytest.mark.slow
 def test_gradients_of_the_positions_are_those_of_differences():
     force, steps = record()
 

@@ -38,6 +38,7 @@ def drawn(logs, found):
     return posterior(logs, found, seed=1)
 
 
+@pytest.mark.slow
 def test_the_potential_is_half_of_the_misfit_and_its_derivative_that_of_the_fit(logs, found):
     problem, point = solved(logs, found)
     near = point.copy()

@@ -1,5 +1,7 @@
 """Every slip that people make is found, and named first."""
 
+import tracemalloc
+
 import loose_rig
 import numpy as np
 import planted_slips
@@ -134,3 +136,21 @@ def test_pairs_of_slips_are_unravelled():
             pairs += 1
             both += ids >= {planted_slips.PLANTED[slip][0] for slip in slips}
     assert both >= 0.9 * pairs
+
+
+@pytest.mark.slow  # allocations are counted, in every call that is checked
+def test_a_search_holds_a_few_copies_of_the_log_and_not_one_a_slip(good):
+    random = np.random.default_rng(0)
+    campaign = good[1].with_runs([run.name for run in good[1].runs[::3]])
+    for slip in ("degrees labelled rad", "y downwards"):  # so that pairs are sought as well
+        campaign = planted_slips.PLANTED[slip][1](campaign, random)
+    drives = (run.drive for run in campaign.runs)
+    log = sum(each.time.nbytes + each.voltage.nbytes + each.angle.nbytes for each in drives)
+    tracemalloc.start()
+    try:
+        examine(campaign)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    # 5.4 logs; a case for each slip of the catalogue made 31 of them.
+    assert peak < 12 * log

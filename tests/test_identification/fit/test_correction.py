@@ -4,6 +4,7 @@ import dataclasses
 
 import jax
 import numpy as np
+import pytest
 from short_runs import bare_run
 
 from identification.campaign import Campaign
@@ -27,6 +28,7 @@ def moving_problem():
     return Problem.of(Campaign(name="driven", runs=(run,)), FitOptions())
 
 
+@pytest.mark.slow
 def test_the_coarser_grid_leaves_what_the_exact_one_leaves():
     with jax.enable_x64(True):
         problem = moving_problem()

@@ -63,6 +63,7 @@ def test_its_intervals_cover_the_truth_as_often_as_they_say():
     assert low <= covered <= high
 
 
+@pytest.mark.slow
 def test_a_fast_vibration_keeps_its_samples():
     time, x = record(2, rate=3000, second=60.0, duration=2.5)
     means = thinned(time, x / NOISE)

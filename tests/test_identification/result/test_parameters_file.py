@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from report_samples import complete, estimate, parameter
 
+from identification.data.circumstances import BEGINNING, Circumstances
 from identification.result.parameters_file import (
     ParametersDocument,
     read_parameters,
@@ -33,6 +34,17 @@ def test_what_has_no_error_is_null_in_the_file_and_infinite_in_a_program(tmp_pat
     write_parameters(path, complete(dataclasses.replace(made, fitted=fitted)))
     assert json.loads(path.read_text())["parameters"][2]["sigma"] is None
     assert read_parameters(path).parameters[2].sigma == math.inf
+
+
+def test_start_velocities_of_a_run_in_motion_are_in_the_file(tmp_path):
+    path, made = tmp_path / "parameters.json", complete(estimate())
+    speeds = (1e-3, 0.02, 0.3, -0.5, 0.2, 3.0, 2.5)
+    name = made.comparisons[0].name
+    begun = Circumstances.of(np.array([1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0, *speeds]))
+    write_parameters(path, dataclasses.replace(made, circumstances={name: begun}))
+    run, *others = json.loads(path.read_text())["runs"]
+    assert run["beginning"] == dict(zip(BEGINNING, speeds, strict=True))
+    assert [other["beginning"] for other in others] == [None] * len(others)
 
 
 def document(names, matrix):

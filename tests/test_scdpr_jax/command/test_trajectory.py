@@ -174,6 +174,7 @@ def test_a_profile_that_starts_moving_is_refused():
         rest_to_rest(START, END, duration=1.0, profile=(0.0, 0.2, 0.8, 1.0))
 
 
+@pytest.mark.slow
 def test_manoeuvre_is_differentiable_in_time_points_and_duration():
     def at(times, start, end, duration):
         out = rest_to_rest(start, end, duration=duration)

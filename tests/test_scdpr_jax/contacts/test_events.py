@@ -82,9 +82,9 @@ def stepped(velocity, load):
     [
         ((1.0, 0.2), (0.1, -0.1)),
         pytest.param((0.06, 0.02), (0.1, 0.2), marks=pytest.mark.slow),
-        ((0.06, -0.02), (-0.3, 0.4)),
+        pytest.param((0.06, -0.02), (-0.3, 0.4), marks=pytest.mark.slow),
         pytest.param((0.02, 0.05), (0.0, -0.9), marks=pytest.mark.slow),
-        ((0.0, -0.05), (0.3, 1.4)),
+        pytest.param((0.0, -0.05), (0.3, 1.4), marks=pytest.mark.slow),
     ],
 )
 def test_end_of_a_step_is_that_of_many_small_ones(velocity, load):

@@ -268,6 +268,7 @@ def test_sensitivities_are_differences_of_the_motion(unknown, width):
     assert jnp.abs(found).max() > 1e-2
 
 
+@pytest.mark.slow
 def test_sensitivities_come_with_the_motion_that_they_are_of():
     robot = smoothed(ROBOT, width=1e-2)
     alone = jax.jit(lambda robot: simulate_smooth(robot, START, **PUSH))(robot)
@@ -281,6 +282,7 @@ def references():
     return jax.vmap(trajectory.position)(TIMES[:601])
 
 
+@pytest.mark.slow
 def test_adaptive_closed_loop_approaches_exact_friction_with_the_width(references):
     start = placed(2.08, 2.081, 0.92)
     truth = jax.jit(

@@ -28,6 +28,7 @@ MODELS = {
 
 
 # The linear engine takes a minute to compile: `test_linear_stepping` is its quick share.
+@pytest.mark.slow
 @pytest.mark.parametrize("model", [pytest.param("linear", marks=pytest.mark.slow), "nonlinear"])
 @pytest.mark.parametrize(
     "run", [0, *(pytest.param(r, marks=pytest.mark.slow) for r in range(1, 8))]

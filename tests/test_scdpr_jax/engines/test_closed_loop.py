@@ -212,6 +212,7 @@ def test_pulleys_follow_the_lower_carriage_and_the_height():
     assert jnp.abs(back - jnp.array([0.02, -0.05])).max() <= 8 * np.finfo(float).eps
 
 
+@pytest.mark.slow
 def test_loop_around_a_smooth_integrator_is_differentiable_in_both_modes():
     # Arguments of some 1 that change little, for the checker's difference step.
     def final(gain, robot_scale, shift):

@@ -75,6 +75,7 @@ def test_a_carriage_that_friction_holds_stands_still_to_the_bit():
     assert np.all(np.asarray(held.position[:, 2]) == 0.5)
 
 
+@pytest.mark.slow
 def test_derivatives_hold_through_stops_and_starts():
     def end(size):
         def lead(share):

@@ -57,6 +57,7 @@ def test_a_step_without_friction_is_the_matrix_exponential(duration, pretension)
     assert np.abs(difference).max() <= 64 * np.finfo(float).eps * 1e3 * duration
 
 
+@pytest.mark.slow
 def test_substeps_are_steps():
     fine = run(consistent(), substeps=5)
     many = simulate_linear(
@@ -69,6 +70,7 @@ def test_substeps_are_steps():
     assert jnp.max(jnp.abs(fine.position - many.position[::5])) <= 1e-14
 
 
+@pytest.mark.slow
 def test_tabulated_steps_make_up_the_run():
     robot = consistent()
     tables = propagator(robot, height=jnp.asarray(HEIGHT), duration=jnp.asarray(DURATION))

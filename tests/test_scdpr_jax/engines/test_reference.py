@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from event_by_event import Held, Linear, Nonlinear, simulate, slope
 from robot_numbers import numbers_of
+from share import share
 
 from scdpr_jax.linear.model import linearise
 from scdpr_jax.robot.prototype import consistent
@@ -31,7 +32,7 @@ def quiet(system, start, *, step, count):
     return simulate(system, start, np.full(count, step), np.zeros((count, 2)), np.zeros(count))
 
 
-@pytest.fixture(scope="module", params=ROUNDING)
+@pytest.fixture(scope="module", params=share(ROUNDING, 2))
 def record(request):
     """Name, numbers, rows and the reference's run of the first 1.2 s of a record."""
     path = RUNS / f"{request.param}.csv"

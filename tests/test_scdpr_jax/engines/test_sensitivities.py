@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from event_by_event import Linear, Nonlinear, simulate
 from robot_numbers import numbers_of
+from share import share
 
 from scdpr_jax.engines import stepping
 from scdpr_jax.engines.linear_stepping import simulate_linear
@@ -109,9 +110,7 @@ def derivative(request):
     return request.param, jax.jit(column, static_argnums=2)
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(2), *(pytest.param(s, marks=pytest.mark.slow) for s in range(2, 200))]
-)
+@pytest.mark.parametrize("seed", share(range(200), 1))
 def test_derivatives_are_the_references(derivative, seed):
     model, column = derivative
     nominal, unknown = drawn(seed)

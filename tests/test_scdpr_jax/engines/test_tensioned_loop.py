@@ -67,6 +67,7 @@ def energy_error(period):
     return float(np.ptp(after) / after[0])
 
 
+@pytest.mark.slow
 def test_energy_of_the_elastic_loop_is_kept_to_second_order():
     coarse, fine = energy_error(1e-3), energy_error(0.5e-3)
     assert fine <= 2e-3

@@ -48,6 +48,26 @@ def test_a_run_is_that_of_native_run(way, robots, steps):
         np.testing.assert_allclose(own, other, rtol=1e-13, atol=1e-14)
 
 
+def test_an_array_may_tell_between_teams_or_between_their_robots(way):
+    """Three teams of five: stiffness by robot, speed and push by team, one place for all."""
+    random = np.random.default_rng(3)
+    stiffness, speed = random.uniform(1, 2, (1, 5)), random.normal(size=(3, 1))
+    place, push = random.normal(size=(1, 1)), random.normal(size=(3, 1, 4))
+    turned, pushed = random.normal(size=(1, 5, 2)), random.normal(size=(3, 1, 2, 4))
+    still = np.zeros((1, 1, 1))
+    given = (stiffness, (place, speed), push, Slopes((turned, still), pushed))
+    own_stiffness, start, inputs, along = given
+    made = Runs(swing, own_stiffness, teams=True).linearised(start, inputs, along=along)
+
+    def in_line(leaf):
+        return np.broadcast_to(leaf, (3, 5, *leaf.shape[2:])).reshape(15, *leaf.shape[2:])
+
+    own_stiffness, start, inputs, along = jax.tree.map(in_line, given)
+    wanted = Runs(swing, own_stiffness).linearised(start, inputs, along=along)
+    for own, other in zip(jax.tree.leaves(made), jax.tree.leaves(wanted), strict=True):
+        np.testing.assert_array_equal(own.reshape(other.shape), other)
+
+
 @pytest.mark.parametrize("tangents", [1, 23])
 def test_its_derivatives_are_those_of_jvp(way, tangents):
     stiffness, start, push = drawn(6, 4)

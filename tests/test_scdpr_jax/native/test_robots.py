@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 import scdpr_jax
 from scdpr_jax import native
@@ -63,6 +64,7 @@ def rounded(runs):
     return parameters, start, np.nextafter(voltage, np.inf), knock
 
 
+@pytest.mark.slow
 def test_states_and_tangents_are_xlas():
     def both(run, runs):
         def along(parameters, start, voltage, knock):

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from share import share
 
 from scdpr_jax import native
 from scdpr_jax.native import primitive, reverse
@@ -100,7 +101,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("name", CHANGES)
+@pytest.mark.parametrize("name", share(CHANGES, 8))
 def test_a_run_is_the_scan_of_its_step_under(name):
     assert_same(CHANGES[name](real(native.run)), CHANGES[name](real(scan)))
 
@@ -128,7 +129,7 @@ REVERSE = {
 }
 
 
-@pytest.mark.parametrize("name", REVERSE)
+@pytest.mark.parametrize("name", share(REVERSE, 1))
 def test_reverse_and_second_derivatives_are_those_of_the_scan(name):
     found, expected = (REVERSE[name](squares(run)) for run in (native.run, scan))
     for own, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):

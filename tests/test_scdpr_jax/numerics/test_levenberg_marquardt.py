@@ -136,6 +136,51 @@ def test_starts_that_go_together_end_where_each_would_alone():
         assert (found.iterations, found.ended) == (alone.iterations, alone.ended)
 
 
+def test_dampings_tried_at_once_lead_where_one_after_the_other_does():
+    sizes = []
+
+    def evaluate(points):
+        sizes.append(len(points))
+        return [rosenbrock(point) for point in points]
+
+    start, stopping = [np.array([-1.2, 1.0])], Stopping(steps=100, rejections=20, share=0.0)
+    (alone,), (abreast,) = (
+        minimise_together(
+            evaluate, start, stopping=stopping, damping=Damping(rise=1.5, abreast=count)
+        )
+        for count in (1, 5)
+    )
+    assert 1 < max(sizes) <= 5
+    np.testing.assert_allclose(abreast.point, alone.point, rtol=1e-12)
+    assert (abreast.iterations, abreast.ended) == (alone.iterations, alone.ended)
+
+
+def test_models_are_derived_only_of_what_a_search_goes_on_from():
+    derived = []
+
+    def derive(merits):
+        derived.extend(merits)
+        return [rosenbrock(own.point) for own in merits]
+
+    @dataclasses.dataclass(frozen=True, eq=False)
+    class Tried(Merit):
+        cost: float
+        point: np.ndarray
+
+    starts = [np.array([-1.2, 1.0]), np.array([2.0, -2.0])]
+    options = {"stopping": Stopping(evaluations=60, decrement=1e-16)}
+    found = minimise_together(
+        lambda points: [Tried(rosenbrock(own).cost, own) for own in points],
+        starts,
+        derive=derive,
+        **options,
+    )
+    alone = minimise_together(lambda points: list(map(rosenbrock, points)), starts, **options)
+    for own, other in zip(found, alone, strict=True):
+        np.testing.assert_array_equal(own.point, other.point)
+    assert len(derived) == sum(len(own.history) for own in found)
+
+
 SCHEDULES = {
     "fit": Damping(again=1e-3),
     "axis": Damping(rise=2.0, growth=2.0, least=0.0, most=1e8),

@@ -197,6 +197,7 @@ def test_the_vibration_never_rises_with_the_move_time(designs):
     )
 
 
+@pytest.mark.slow
 def test_a_design_is_never_worse_than_its_starts(designs, within):
     first = designs[0]
     starts = _starts(SEEN, within, first.move_time)[::4]

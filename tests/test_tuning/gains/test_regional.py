@@ -18,6 +18,7 @@ from tuning.gains.regional import (
     choose,
     legs_anywhere,
     legs_into,
+    told,
 )
 from tuning.regions.cells import cells_of
 
@@ -94,7 +95,17 @@ def test_the_fitted_robot_is_the_first_that_is_possible():
 def test_idle_impulses_change_no_leg(into):
     legs, before = into[0][0], into[1][0]
     law = plain_law()
-    told = type(law)(law.controller, padded(Shaper([0.0], [1.0]), IMPULSES))
+    padded_law = type(law)(law.controller, padded(Shaper([0.0], [1.0]), IMPULSES))
     np.testing.assert_allclose(
-        runs(legs, told).residual_vibration, before.residual_vibration, rtol=1e-9
+        runs(legs, padded_law).residual_vibration, before.residual_vibration, rtol=1e-9
     )
+
+
+def test_regions_may_have_shapers_of_other_numbers_of_impulses(into):
+    legs, _ = into
+    shapers = Shaper(np.zeros(1), np.ones(1)), Shaper(np.array([0.0, 0.14]), np.full(2, 0.5))
+    law = told(published_pd(), list(zip(legs, shapers, strict=False)))
+    first = len(legs[0])
+    assert law.shaper.amplitudes.shape == (first + len(legs[1]), IMPULSES)
+    assert law.shaper.amplitudes[0].tolist() == [1.0] + [0.0] * (IMPULSES - 1)
+    assert law.shaper.times[first].tolist() == [0.0] + [0.14] * (IMPULSES - 1)

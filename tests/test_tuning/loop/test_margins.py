@@ -173,6 +173,7 @@ def test_margins_are_differentiable_in_plant_and_controller():
     check_grads(jax.jit(margins), arguments, order=1, modes=("fwd", "rev"))
 
 
+@pytest.mark.slow
 def test_continuous_margins_are_differentiable_in_the_gains():
     def margins(proportional, derivative):
         found = continuous_margins(MotorPlant(2.0, 1.3), PD(proportional, derivative))
@@ -195,6 +196,7 @@ def test_margins_batch_over_gains():
     assert abs(float(batch.gain_margin[1] / one.gain_margin) - 1) <= 1e-12
 
 
+@pytest.mark.slow
 def test_margins_hold_in_single_precision():
     plant, controller = jax.tree.map(
         lambda leaf: leaf.astype(jnp.float32), (PLANT, published_pd())

@@ -54,16 +54,26 @@ def random_point(seed, size=2e-3):
 def test_the_misfits_derivative_is_its_difference(seed):
     about, point = misfit(), random_point(seed)
     way = random_point(seed + 1, 1e-7)
-    difference = (about(point + way).cost - about(point - way).cost) / 2
+    above, below = about.costs(np.stack([point + way, point - way]))
+    (derived,) = about.derived(about([point]))
     # Roundings of a cost of 1e5 come to 1e-10; a carriage that stops a step earlier bends it.
-    assert 2 * about(point).gradient @ way == pytest.approx(difference, rel=1e-4, abs=1e-7)
+    assert 4 * derived.gradient @ way == pytest.approx(above - below, rel=1e-4, abs=1e-7)
 
 
 @given(st.integers(0, 2**31))
 @settings(max_examples=10)
 def test_residuals_and_their_derivatives_have_one_cost(seed):
-    about, point = misfit(), random_point(seed)
-    assert np.sum(about.rows(point)[:, -1] ** 2) == pytest.approx(about.cost(point), rel=1e-11)
+    about, point = misfit(), random_point(seed)[None]
+    squares = np.sum(about.rows(point)[:, :, -1] ** 2)
+    assert squares == pytest.approx(about.costs(point)[0], rel=1e-11)
+
+
+def test_motions_side_by_side_have_the_misfits_of_each_alone():
+    about, points = misfit(), np.stack([random_point(seed) for seed in range(3)])
+    each = [(about.costs(own[None])[0], about.rows(own[None])[0]) for own in points]
+    costs, rows = zip(*each, strict=True)
+    np.testing.assert_allclose(about.costs(points), costs, rtol=1e-10)
+    np.testing.assert_allclose(about.rows(points), rows, rtol=1e-9, atol=1e-9)
 
 
 def test_the_plan_leaves_a_twentieth_of_the_plain_legs_vibration(leg):
@@ -158,10 +168,11 @@ def test_the_led_robot_is_that_of_the_closed_loop():
     about = models(FITTED, CONTROLLER, told=False)
     fine = about.fitted.misfit(leg, FINE)
     point = descend(fine, np.zeros(leg.splines), Stage(3, 0.0)).point
-    _, run = fine.run(point)
+    _, run = fine.run(point[None])
     plan = planned(FITTED, leg, point, period=1e-3)
     told = expecting.expectation(scenarios(FITTED, ROBOTS), CONTROLLER, leg, plan)
-    assert told.resting[0] == pytest.approx(fine.arriving(run, fine.goals).rest[0], abs=6e-5)
+    rest = fine.arriving(run, fine.goals).rest[0, 0]
+    assert told.resting[0] == pytest.approx(rest, abs=6e-5)
     # Millimetres without a plan; the command's hold is worth some hundredths.
-    vibration = fine.arriving.vibrations(run, fine.goals)[0]
+    vibration = fine.arriving.vibrations(run, fine.goals)[0, 0]
     assert told.vibration[0] == pytest.approx(vibration, abs=6e-5)

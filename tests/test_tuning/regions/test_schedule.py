@@ -177,6 +177,7 @@ def test_samples_with_the_legs_end_as_their_place_have_its_shaper():
     assert jnp.max(jnp.abs(found - shaped)) <= period**2 / 8 * 6 * way / LEG.duration**2
 
 
+@pytest.mark.slow
 def test_position_has_the_derivatives_of_its_finite_differences():
     def position(time, amplitudes, middle, points):
         changed = eqx.tree_at(

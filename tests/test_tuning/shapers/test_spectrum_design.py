@@ -66,6 +66,7 @@ def test_what_is_recommended_is_no_longer_and_leaves_no_more_than_the_catalogues
     assert judged(design.recommended.shaper, design.spectrum) <= picked.residual
 
 
+@pytest.mark.slow
 def test_no_shaper_of_the_catalogue_beats_its_optimised_counterparts(design):
     for one in design.compared:
         assert one.same_duration.residual <= one.fit.residual + 1e-8

@@ -1,9 +1,14 @@
-"""Robots whose lower carriage and height are led along a leg: what the rest of them does."""
+"""Robots whose lower carriage and height are led along a leg: what the rest of them does.
+
+Several motions of a leg are followed side by side, each by all robots: arrays are behind an
+axis of motions and one of robots, of length one where all share it.
+"""
 
 from typing import NamedTuple
 
+import jax
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, PyTree
 
 from scdpr_jax import native
 from scdpr_jax.engines.led_stepping import Lead, Undriven, step, whole_position
@@ -24,7 +29,7 @@ class Followed(NamedTuple):
     """State at the end of the leg."""
     aside: Deviation
     """By how much the lower carriage deviates there."""
-    place: Float[np.ndarray, "robots steps"]
+    place: Float[np.ndarray, "motions robots steps"]
     """Where the end-effectors are at the beginning of each step, $x_e$ [m]."""
 
 
@@ -32,9 +37,9 @@ class Inverted(NamedTuple):
     """How a robot follows whose own dynamics are inverted; or derivatives of it."""
 
     run: Followed
-    positions: Float[np.ndarray, "1 steps 3 ..."]
+    positions: Float[np.ndarray, "motions 1 steps 3 ..."]
     """The undriven coordinates at the beginning of each step [m, rad, m]."""
-    force: Float[np.ndarray, "1 steps ..."]
+    force: Float[np.ndarray, "motions 1 steps ..."]
     """What pulls at the lower carriage, with friction, at the beginning of each step [N]."""
 
 
@@ -47,9 +52,9 @@ class Leader:
         Args:
             robot: The robot, stacked.
         """
-        self._robot = robot
-        self._command = native.Runs(_command, robot)
-        self._stretch = native.Runs(_stretched, robot)
+        self._robot = _for_every_motion(robot)
+        self._command = native.Runs(_command, self._robot, teams=True)
+        self._stretch = native.Runs(_stretched, self._robot, teams=True)
 
     def steps(self, duration: float) -> native.Runs:
         """Steps of a length, for `follow`.
@@ -60,14 +65,14 @@ class Leader:
         Returns:
             Runs of such steps.
         """
-        return native.Runs(_advance, (self._robot, np.array([duration])))
+        return native.Runs(_advance, (self._robot, np.array([[duration]])), teams=True)
 
     def follow(
         self,
         steps: native.Runs,
         start: Undriven,
         lead: Lead,
-        velocity: Float[np.ndarray, "1 steps 2"],
+        velocity: Float[np.ndarray, "motions 1 steps 2"],
     ) -> Inverted:
         """The robot led along a leg.
 
@@ -81,14 +86,14 @@ class Leader:
             What it does.
         """
         end, (positions, force) = steps(start, (lead, velocity))
-        return Inverted(Followed(end, _none(1), positions[..., 0]), positions, force)
+        return Inverted(Followed(end, _NONE, positions[..., 0]), positions, force)
 
     def follow_linearised(
         self,
         steps: native.Runs,
         start: Undriven,
         lead: Lead,
-        velocity: Float[np.ndarray, "1 steps 2"],
+        velocity: Float[np.ndarray, "motions 1 steps 2"],
         *,
         along: Float[np.ndarray, "splines steps 3"],
         begun: Int[np.ndarray, " steps"],
@@ -106,60 +111,59 @@ class Leader:
         Returns:
             What it does, and the derivatives.
         """
-        still = np.zeros((1, 1, 3))
-        seeds = Slopes(Undriven(still, still), (Lead(along[None], None), None))
+        still = np.zeros((1, 1, 1, 3))
+        seeds = Slopes(Undriven(still, still), (Lead(along[None, None], None), None))
         (end, (positions, force)), slopes = steps.linearised(
             start, (lead, velocity), along=seeds, begun=begun
         )
-        none = np.zeros((1, len(along)))
+        none = np.zeros((1, 1, len(along)))
         moved, pulled = slopes.rows
+        aside = Followed(slopes.carried, Deviation(none, none), moved[..., 0, :])
         return (
-            Inverted(Followed(end, _none(1), positions[..., 0]), positions, force),
-            Inverted(
-                Followed(slopes.carried, Deviation(none, none), moved[:, :, 0]), moved, pulled
-            ),
+            Inverted(Followed(end, _NONE, positions[..., 0]), positions, force),
+            Inverted(aside, moved, pulled),
         )
 
     def commands(
-        self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
-    ) -> Float[np.ndarray, "n 2"]:
+        self, positions: Float[np.ndarray, "motions 1 n 3"], motion: Moment
+    ) -> Float[np.ndarray, "motions n 2"]:
         """Commands at some instants, by dynamics inversion.
 
         Args:
             positions: The undriven coordinates [m, rad, m].
-            motion: Of lower carriage and height, behind an axis of robots.
+            motion: Of lower carriage and height.
 
         Returns:
             The commands [V].
         """
-        return self._command((), (positions, motion))[1][0]
+        return self._command((), (positions, motion))[1][:, 0]
 
     def stretches(
-        self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
-    ) -> Float[np.ndarray, " n"]:
+        self, positions: Float[np.ndarray, "motions 1 n 3"], motion: Moment
+    ) -> Float[np.ndarray, "motions n"]:
         """By how much the cables between drives and lower carriage give.
 
         Args:
             positions: The undriven coordinates [m, rad, m].
-            motion: Of lower carriage and height, behind an axis of robots.
+            motion: Of lower carriage and height.
 
         Returns:
             What the drives are to be ahead of the lower carriage [m].
         """
-        return self._stretch((), (positions, motion))[1][0]
+        return self._stretch((), (positions, motion))[1][:, 0]
 
     def commands_linearised(
         self,
-        positions: Float[np.ndarray, "1 n 3"],
+        positions: Float[np.ndarray, "motions 1 n 3"],
         motion: Moment,
         *,
-        along: tuple[Float[np.ndarray, "1 splines n 3"], Moment],
-    ) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n 2 splines"]]:
+        along: tuple[Float[np.ndarray, "motions 1 splines n 3"], Moment],
+    ) -> tuple[Float[np.ndarray, "motions n 2"], Float[np.ndarray, "motions n 2 splines"]]:
         """The same with derivatives.
 
         Args:
             positions: The undriven coordinates [m, rad, m].
-            motion: Of lower carriage and height, behind an axis of robots.
+            motion: Of lower carriage and height.
             along: Tangents of both.
 
         Returns:
@@ -168,7 +172,7 @@ class Leader:
         (_, volts), slopes = self._command.linearised(
             (), (positions, motion), along=Slopes((), along)
         )
-        return volts[0], slopes.rows[0]
+        return volts[:, 0], slopes.rows[:, 0]
 
 
 class Followers:
@@ -181,7 +185,7 @@ class Followers:
             robots: The robots, stacked.
             servo: The PD that is left with what they do otherwise.
         """
-        self._robots, self._servo = robots, servo
+        self._robots, self._servo = _for_every_motion(robots), servo
 
     def steps(self, duration: float) -> native.Runs:
         """Steps of a length, for `follow`.
@@ -192,9 +196,10 @@ class Followers:
         Returns:
             Runs of such steps.
         """
-        own = Servo(*(part[None] for part in self._servo))
-        over = transitions(self._servo, duration)
-        return native.Runs(deviating_step, (self._robots, np.array([duration]), own, over))
+        own = _for_every_motion(Servo(*(part[None] for part in self._servo)))
+        over = _for_every_motion(transitions(self._servo, duration))
+        given = (self._robots, np.array([[duration]]), own, over)
+        return native.Runs(deviating_step, given, teams=True)
 
     def follow(self, steps: native.Runs, start: Undriven, led: Led) -> Followed:
         """Robots led along a leg.
@@ -207,7 +212,7 @@ class Followers:
         Returns:
             What they do.
         """
-        (end, aside), place = steps((start, _none(1)), led)
+        (end, aside), place = steps((start, _NONE), led)
         return Followed(end, aside, place)
 
     def follow_linearised(
@@ -216,7 +221,10 @@ class Followers:
         start: Undriven,
         led: Led,
         *,
-        along: tuple[Float[np.ndarray, "splines steps 3"], Float[np.ndarray, "1 splines n"]],
+        along: tuple[
+            Float[np.ndarray, "splines steps 3"],
+            Float[np.ndarray, "motions 1 splines steps"],
+        ],
         begun: Int[np.ndarray, " steps"],
     ) -> tuple[Followed, Followed]:
         """The same with derivatives by the coefficients of splines.
@@ -232,14 +240,14 @@ class Followers:
         Returns:
             What they do, and the derivatives.
         """
-        still, calm = np.zeros((1, 1, 3)), np.zeros((1, 1))
+        still, calm = np.zeros((1, 1, 1, 3)), np.zeros((1, 1, 1))
         way, forces = along
         seeds = Slopes(
             (Undriven(still, still), Deviation(calm, calm)),
-            Led(Lead(way[None], None), None, forces),
+            Led(Lead(way[None, None], None), None, forces),
         )
         ((end, aside), place), slopes = steps.linearised(
-            (start, _none(1)), led, along=seeds, begun=begun
+            (start, _NONE), led, along=seeds, begun=begun
         )
         return Followed(end, aside, place), Followed(*slopes.carried, slopes.rows)
 
@@ -253,8 +261,9 @@ class Arriving:
         Args:
             robots: The robots, stacked.
         """
-        self._arrive = native.Runs(_arriving, robots)
-        self._vibrate = native.Runs(_vibrating, robots)
+        every = _for_every_motion(robots)
+        self._arrive = native.Runs(_arriving, every, teams=True)
+        self._vibrate = native.Runs(_vibrating, every, teams=True)
 
     def __call__(self, run: Followed, goals: Goal) -> Arrival:
         """What robots do as their leg ends.
@@ -267,7 +276,7 @@ class Arriving:
             What each does.
         """
         _, made = self._arrive((), _single_rows(run, goals))
-        return Arrival(*(own[:, 0] for own in made))
+        return Arrival(*(own[:, :, 0] for own in made))
 
     def linearised(
         self, run: Followed, goals: Goal, *, along: Followed
@@ -282,19 +291,19 @@ class Arriving:
         Returns:
             What each does, and its derivatives.
         """
-        seeds = Undriven(*(np.moveaxis(own, -1, 1)[:, :, None] for own in along.end))
-        lower = along.aside.position[:, :, None]
+        seeds = Undriven(*(np.moveaxis(own, -1, 2)[:, :, :, None] for own in along.end))
+        lower = along.aside.position[..., None]
         (_, made), slopes = self._arrive.linearised(
             (),
             _single_rows(run, goals),
             along=Slopes((), (seeds, Goal(lower, None, None))),
         )
         values, derivatives = (
-            Arrival(*(own[:, 0] for own in each)) for each in (made, slopes.rows)
+            Arrival(*(own[:, :, 0] for own in each)) for each in (made, slopes.rows)
         )
         return values, derivatives
 
-    def vibrations(self, run: Followed, goals: Goal) -> Float[np.ndarray, " robots"]:
+    def vibrations(self, run: Followed, goals: Goal) -> Float[np.ndarray, "motions robots"]:
         """Largest peak to peak of the end-effectors once both carriages hold.
 
         Args:
@@ -304,11 +313,15 @@ class Arriving:
         Returns:
             Peak to peak [m].
         """
-        return self._vibrate((), _single_rows(run, goals))[1][:, 0]
+        return self._vibrate((), _single_rows(run, goals))[1][:, :, 0]
 
 
-def _none(robots: int) -> Deviation:
-    return Deviation(np.zeros(robots), np.zeros(robots))
+_NONE = Deviation(np.zeros((1, 1)), np.zeros((1, 1)))
+
+
+def _for_every_motion(own: PyTree) -> PyTree:
+    """Arrays that are behind an axis of robots."""
+    return jax.tree.map(lambda leaf: np.asarray(leaf)[None], own)
 
 
 _Row = tuple[Lead, Float[Array, "2"]]
@@ -352,6 +365,6 @@ def _single_rows(run: Followed, goals: Goal) -> tuple[Undriven, Goal]:
     """States with where the carriages are in the end, each as a run of one step."""
     there = goals._replace(lower=goals.lower + run.aside.position)
     return (
-        Undriven(*(own[:, None] for own in run.end)),
-        Goal(*(np.asarray(own)[:, None] for own in there)),
+        Undriven(*(own[:, :, None] for own in run.end)),
+        Goal(*(own[:, :, None] for own in there)),
     )

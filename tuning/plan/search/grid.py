@@ -77,7 +77,7 @@ class Grid:
 
     @functools.cached_property
     def looked_aside(self) -> Moment:
-        """What each spline does to the motion at `commanded`, behind an axis of robots."""
+        """What each spline does to the motion at `commanded`, for every motion and robot."""
         return _aside(self.looked_at.splines)
 
     @functools.cached_property
@@ -99,42 +99,45 @@ class Grid:
         first = np.argmax(np.any(self._splines != 0, axis=1), axis=0)
         return np.searchsorted(first, np.arange(self.steps), side="right")
 
-    def lead(self, point: Float[np.ndarray, " splines"]) -> Lead:
+    def lead(self, points: Float[np.ndarray, "motions splines"]) -> Lead:
         """Where the fitted robot is led.
 
         Args:
-            point: Coefficients of the splines [m].
+            points: Coefficients of the splines [m].
 
         Returns:
-            A row for each step, behind an axis of robots.
+            A row for each step, behind axes of motions and of robots.
         """
         lower, height = np.moveaxis(self._plain, -1, 0)
-        return Lead((lower + self._splines @ point)[None], height[None])
+        aside = points @ self._splines.reshape(-1, points.shape[1]).T
+        return Lead(lower + aside.reshape(-1, 1, *lower.shape), height[None, None])
 
-    def velocity(self, point: Float[np.ndarray, " splines"]) -> Float[np.ndarray, "1 steps 2"]:
+    def velocity(
+        self, points: Float[np.ndarray, "motions splines"]
+    ) -> Float[np.ndarray, "motions 1 steps 2"]:
         """Velocities of lower carriage and height as the steps begin.
 
         Args:
-            point: Coefficients of the splines [m].
+            points: Coefficients of the splines [m].
 
         Returns:
-            The velocities, behind an axis of robots [m/s].
+            The velocities [m/s].
         """
-        return self._begins.velocity(point)[None]
+        return self._begins.velocity(points)[:, None]
 
-    def commanded_motion(self, point: Float[np.ndarray, " splines"]) -> Moment:
+    def commanded_motion(self, points: Float[np.ndarray, "motions splines"]) -> Moment:
         """The same at `commanded`.
 
         Args:
-            point: Coefficients of the splines [m].
+            points: Coefficients of the splines [m].
 
         Returns:
             Positions, velocities and accelerations [m; m/s; m/s²].
         """
-        return Moment(*(own[None] for own in self.looked_at.motion(point)))
+        return Moment(*(own[:, None] for own in self.looked_at.motion(points)))
 
 
 def _aside(splines: Float[np.ndarray, "3 n splines"]) -> Moment:
     """Tangents of lower carriage and height, which the splines leave alone."""
     pairs = (np.stack([own.T, np.zeros_like(own.T)], axis=-1) for own in splines)
-    return Moment(*(np.ascontiguousarray(own[None]) for own in pairs))
+    return Moment(*(np.ascontiguousarray(own[None, None]) for own in pairs))

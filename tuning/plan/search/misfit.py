@@ -2,13 +2,14 @@
 
 import dataclasses
 import functools
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
 
 from scdpr_jax import native
 from scdpr_jax.engines.led_stepping import Lead, Undriven
-from scdpr_jax.numerics.merit import Merit
+from scdpr_jax.numerics.merit import Merit, Normal
 from tuning.plan.led.arrival import Arrival, Goal
 from tuning.plan.led.following import Arriving, Followed, Followers, Inverted, Leader
 from tuning.plan.led.servo import Deviation, Led
@@ -35,8 +36,21 @@ OUTSIDE = 1e-3
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
+class Tried(Merit):
+    """The misfit of a motion, without a model."""
+
+    point: Float[np.ndarray, " splines"]
+    """Coefficients of the splines [m]."""
+    cost: float
+    """The sum of squared residuals."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
 class Misfit:
-    """A leg with the robots that it is planned for, on a grid of steps."""
+    """A leg with the robots that it is planned for, on a grid of steps.
+
+    Motions are looked at side by side: they fill a processor's vectors where robots don't.
+    """
 
     leg: Leg
     robots: Scenarios
@@ -78,7 +92,7 @@ class Misfit:
         """Where the first one begins, and where the others do."""
         every = starts(self.robots, self.leg)
         first, others = (
-            Undriven(*(part[rows] for part in every)) for rows in (slice(1), slice(1, None))
+            Undriven(*(part[:, rows] for part in every)) for rows in (slice(1), slice(1, None))
         )
         return first, others
 
@@ -98,20 +112,43 @@ class Misfit:
         half = float(robot.lower_carriage.width[0]) / 2
         return half, float(robot.frame.width[0]) - half
 
-    def __call__(self, point: Float[np.ndarray, " splines"]) -> "Motion":
-        """The misfit of a motion."""
-        return Motion(point, self)
+    def __call__(self, points: Sequence[Float[np.ndarray, " splines"]]) -> list[Tried]:
+        """The misfits of motions, without a model.
 
-    def run(self, point: Float[np.ndarray, " splines"]) -> tuple[Inverted, Followed]:
+        Args:
+            points: Coefficients of their splines [m].
+
+        Returns:
+            A merit for each.
+        """
+        return list(map(Tried, points, map(float, self.costs(np.stack(points)))))
+
+    def derived(self, motions: Sequence[Tried]) -> list[Normal]:
+        """The misfits of motions with their Gauss–Newton models.
+
+        Args:
+            motions: The motions.
+
+        Returns:
+            Their normal equations.
+        """
+        rows = self.rows(np.stack([own.point for own in motions]))
+        products = np.swapaxes(rows, 1, 2) @ rows
+        return [
+            Normal(own.cost, product[:-1, -1], product[:-1, :-1])
+            for own, product in zip(motions, products, strict=True)
+        ]
+
+    def run(self, points: Float[np.ndarray, "motions splines"]) -> tuple[Inverted, Followed]:
         """What the robots do.
 
         Args:
-            point: Coefficients of the splines [m].
+            points: Coefficients of the splines [m].
 
         Returns:
             What the one does whose dynamics are inverted, and all of them.
         """
-        lead, velocity = self.grid.lead(point), self.grid.velocity(point)
+        lead, velocity = self.grid.lead(points), self.grid.velocity(points)
         first, others = self._starts
         own = self.leader.follow(self._leading, first, lead, velocity)
         if self.followers is None:
@@ -120,59 +157,62 @@ class Misfit:
         return own, _joined(own.run, self.followers.follow(self._following, others, led))
 
     def commands(
-        self, own: Inverted, point: Float[np.ndarray, " splines"]
-    ) -> Float[np.ndarray, "n 2"]:
+        self, own: Inverted, points: Float[np.ndarray, "motions splines"]
+    ) -> Float[np.ndarray, "motions n 2"]:
         """Commands of the robot whose dynamics are inverted.
 
         Args:
             own: What it does.
-            point: Coefficients of the splines [m].
+            points: Coefficients of the splines [m].
 
         Returns:
             The commands where they are looked at [V].
         """
-        positions = own.positions[:, self.grid.commanded]
-        return self.leader.commands(positions, self.grid.commanded_motion(point))
+        positions = own.positions[:, :, self.grid.commanded]
+        return self.leader.commands(positions, self.grid.commanded_motion(points))
 
-    def cost(self, point: Float[np.ndarray, " splines"]) -> float:
-        """The sum of squared residuals.
+    def costs(
+        self, points: Float[np.ndarray, "motions splines"]
+    ) -> Float[np.ndarray, " motions"]:
+        """The sums of squared residuals.
 
         Args:
-            point: Coefficients of the splines [m].
+            points: Coefficients of the splines [m].
 
         Returns:
-            The sum [1].
+            A sum for each motion [1].
         """
-        own, run = self.run(point)
+        own, run = self.run(points)
         parts = [
             *self._arrived(self.arriving(run, self.goals)),
-            self._tracked(run.place[:, self.grid.tracked] - self.grid.plain_way),
-            self._excess(self.commands(own, point)) / VOLTAGE,
-            self._outside(point)[0] / OUTSIDE,
-            roughness(point.size) @ point,
+            self._tracked(run.place[..., self.grid.tracked] - self.grid.plain_way),
+            self._excess(self.commands(own, points)) / VOLTAGE,
+            self._outside(points)[0] / OUTSIDE,
+            points @ roughness(points.shape[1]).T,
         ]
-        return float(sum(part.reshape(-1) @ part.reshape(-1) for part in parts))
+        flat = (part.reshape(len(points), -1) for part in parts)
+        return sum(np.vecdot(part, part) for part in flat)
 
     def rows(
-        self, point: Float[np.ndarray, " splines"]
-    ) -> Float[np.ndarray, "residuals splines+1"]:
+        self, points: Float[np.ndarray, "motions splines"]
+    ) -> Float[np.ndarray, "motions residuals splines+1"]:
         """Derivatives of the residuals, each with its residual behind.
 
         Args:
-            point: Coefficients of the splines [m].
+            points: Coefficients of the splines [m].
 
         Returns:
             A row for each residual.
         """
         grid = self.grid
-        lead, velocity = grid.lead(point), grid.velocity(point)
+        lead, velocity = grid.lead(points), grid.velocity(points)
         first, others = self._starts
         own, slopes = self.leader.follow_linearised(
             self._leading, first, lead, velocity, along=grid.along, begun=grid.begun
         )
         run, along = _looked_at(own.run, grid), _looked_at(slopes.run, grid)
         if self.followers is not None:
-            pulled = np.moveaxis(slopes.force, -1, 1)
+            pulled = np.moveaxis(slopes.force, -1, 2)
             more, their = self.followers.follow_linearised(
                 self._following,
                 others,
@@ -183,30 +223,24 @@ class Misfit:
             run = _joined(run, _looked_at(more, grid))
             along = _joined(along, _looked_at(their, grid))
         ends, endings = self.arriving.linearised(run, self.goals, along=along)
-        outside, aside = self._outside(point)
-        second = roughness(point.size)
-        pairs = [
-            *zip(self._arrived(ends), self._arrived(endings), strict=True),
-            (
-                self._tracked(run.place - grid.plain_way),
-                self._tracked(along.place),
-            ),
-            *self._commanded(point, own, slopes.positions),
-            (outside / OUTSIDE, aside / OUTSIDE),
-            (second @ point, second),
-        ]
-        return np.concatenate(
+        outside, aside = self._outside(points)
+        second = roughness(points.shape[1])
+        return _in_rows(
+            points.shape,
             [
-                np.concatenate([slope.reshape(-1, point.size), value.reshape(-1, 1)], axis=1)
-                for value, slope in pairs
-            ]
+                *zip(self._arrived(ends), self._arrived(endings), strict=True),
+                (self._tracked(run.place - grid.plain_way), self._tracked(along.place)),
+                *self._commanded(points, own, slopes.positions),
+                (outside / OUTSIDE, aside / OUTSIDE),
+                (points @ second.T, second[None]),
+            ],
         )
 
     def _led(
         self,
         lead: Lead,
-        velocity: Float[np.ndarray, "1 steps 2"],
-        force: Float[np.ndarray, "1 steps"],
+        velocity: Float[np.ndarray, "motions 1 steps 2"],
+        force: Float[np.ndarray, "motions 1 steps"],
     ) -> Led:
         """What the others are told."""
         return Led(Lead(lead.lower + self._shifts, lead.height), velocity[..., 0], force)
@@ -222,20 +256,25 @@ class Misfit:
     def _tracked(self, way: np.ndarray) -> np.ndarray:
         return _by_robot(self.robots.weight / TRACKING, way)
 
-    def _excess(self, volts: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
+    def _excess(
+        self, volts: Float[np.ndarray, "motions n 2"]
+    ) -> Float[np.ndarray, "motions n 2"]:
         """Commands beyond what is left to the PD [V]."""
         return np.maximum(np.abs(volts) - self.limit, 0.0)
 
     def _commanded(
-        self, point: np.ndarray, own: Inverted, slopes: Float[np.ndarray, "1 steps 3 splines"]
+        self,
+        points: Float[np.ndarray, "motions splines"],
+        own: Inverted,
+        slopes: Float[np.ndarray, "motions 1 steps 3 splines"],
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Residuals of commands with their derivatives; nothing where there are none."""
-        rows, motion = self.grid.commanded, self.grid.commanded_motion(point)
-        if not np.any(self._excess(self.commands(own, point))):
+        if not np.any(self._excess(self.commands(own, points))):
             return []
-        along = (np.moveaxis(slopes[:, rows], -1, 1), self.grid.looked_aside)
+        rows, motion = self.grid.commanded, self.grid.commanded_motion(points)
+        along = (np.moveaxis(slopes[:, :, rows], -1, 2), self.grid.looked_aside)
         volts, slope = self.leader.commands_linearised(
-            own.positions[:, rows], motion, along=along
+            own.positions[:, :, rows], motion, along=along
         )
         excess = self._excess(volts)
         return [
@@ -243,25 +282,26 @@ class Misfit:
         ]
 
     def _outside(
-        self, point: Float[np.ndarray, " splines"]
-    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n splines"]]:
+        self, points: Float[np.ndarray, "motions splines"]
+    ) -> tuple[Float[np.ndarray, "motions n"], Float[np.ndarray, "motions n splines"]]:
         """How far the lower carriage is led out of the frame, with derivatives [m; 1]."""
         (low, high), looked_at = self.guide, self.grid.looked_at
-        place = looked_at.lower(point)
+        place = looked_at.lower(points)
         out = np.maximum(np.maximum(low - place, place - high), 0.0)
         side = np.where(out > 0, np.sign(place - low), 0.0)
-        return out, side[:, None] * looked_at.splines[0]
+        return out, side[..., None] * looked_at.splines[0]
 
 
 def _by_robot(factor: Float[np.ndarray, " robots"], own: np.ndarray) -> np.ndarray:
-    return own * factor.reshape(-1, *(1,) * (own.ndim - 1))
+    return own * factor.reshape(-1, *(1,) * (own.ndim - 2))
 
 
 def _joined(first: Followed, others: Followed) -> Followed:
     """A run of all robots."""
 
-    def both(*parts: np.ndarray) -> np.ndarray:
-        return np.concatenate(parts)
+    def both(own: np.ndarray, their: np.ndarray) -> np.ndarray:
+        every = np.broadcast_to(own, (len(their), *own.shape[1:]))
+        return np.concatenate([every, their], axis=1)
 
     return Followed(
         Undriven(*map(both, first.end, others.end)),
@@ -270,40 +310,23 @@ def _joined(first: Followed, others: Followed) -> Followed:
     )
 
 
+def _in_rows(
+    shape: tuple[int, int], pairs: Sequence[tuple[np.ndarray, np.ndarray]]
+) -> Float[np.ndarray, "motions residuals columns"]:
+    """Residuals with their derivatives by all splines, one behind the other."""
+    motions, count = shape
+    sizes = [value[0].size for value, _ in pairs]
+    rows, last = np.empty((motions, sum(sizes), count + 1)), 0
+    for size, (value, slope) in zip(sizes, pairs, strict=True):
+        here, last = rows[:, last : last + size], last + size
+        here[..., :count] = slope.reshape(-1, size, count)
+        here[..., count] = value.reshape(-1, size)
+    return rows
+
+
 def _looked_at(run: Followed, grid: Grid) -> Followed:
     """A run, or its derivatives, with the places that the profile is compared with."""
-    return run._replace(place=run.place[:, grid.tracked])
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Motion(Merit):
-    """The misfit of a motion; its derivatives are made when they are asked for."""
-
-    point: Float[np.ndarray, " splines"]
-    """Coefficients of the splines [m]."""
-    misfit: Misfit
-
-    @functools.cached_property
-    def cost(self) -> float:
-        """The sum of squared residuals."""
-        return self.misfit.cost(self.point)
-
-    @functools.cached_property
-    def normal(self) -> tuple[np.ndarray, np.ndarray]:
-        """$J^T r$ and $J^T J$."""
-        rows = self.misfit.rows(self.point)
-        product = rows.T @ rows
-        return product[:-1, -1], product[:-1, :-1]
-
-    @property
-    def gradient(self) -> Float[np.ndarray, " splines"]:
-        """$J^T r$."""
-        return self.normal[0]
-
-    @property
-    def matrix(self) -> Float[np.ndarray, "splines splines"]:
-        """$J^T J$."""
-        return self.normal[1]
+    return run._replace(place=run.place[:, :, grid.tracked])
 
 
 @functools.cache

@@ -97,11 +97,11 @@ def starts(scenarios: Scenarios, leg: Leg) -> Undriven:
         leg: The leg, at whose begin every end-effector is in the same place.
 
     Returns:
-        The undriven coordinates, a row for each robot.
+        The undriven coordinates, for every motion a row for each robot.
     """
     (x, y), slope = leg.start, leg.slope + scenarios.slope
     upper = x - slope * (np.asarray(scenarios.robot.frame.height) - y)
-    position = np.stack([np.full(slope.size, x), np.arctan(slope), upper], axis=1)
+    position = np.stack([np.full(slope.size, x), np.arctan(slope), upper], axis=1)[None]
     return Undriven(position, np.zeros_like(position))
 
 
@@ -113,7 +113,7 @@ def goals(scenarios: Scenarios, leg: Leg) -> Goal:
         leg: The leg.
 
     Returns:
-        Their goals.
+        Their goals, for every motion.
     """
-    place, height = (np.full(scenarios.weight.size, own) for own in leg.end)
+    place, height = (np.full((1, 1), own) for own in leg.end)
     return Goal(place + shifts(scenarios, leg), place, height)

@@ -11,6 +11,7 @@ Which of them leads deepest shows after a dozen steps for the farthest robots al
 each to its end for all of them takes half as long again, and leaves a tenth less.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
@@ -19,20 +20,26 @@ from jaxtyping import Float
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.legs.ensemble import Variation
-from scdpr_jax.numerics.levenberg_marquardt import Damping, Minimum, Stopping, minimise
+from scdpr_jax.numerics.levenberg_marquardt import (
+    Damping,
+    Minimum,
+    Stopping,
+    minimise_together,
+)
+from scdpr_jax.numerics.merit import Merit
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.led.following import Arriving, Followers, Leader
 from tuning.plan.led.servo import Servo, servo
 from tuning.plan.leg import Leg
-from tuning.plan.search.misfit import Misfit, Motion
+from tuning.plan.search.misfit import Misfit
 from tuning.plan.search.scenarios import FARTHEST, FITTED, VARIATIONS, Scenarios, scenarios
 
 COARSE, FINE = 10e-3, 5e-3
 """Lengths of the steps, at the most, on which a guess and a result are found [s]."""
-DAMPING = Damping(fall=5.0, rise=4.0, floor=1e-9)
-"""Damping of a search; the floor is for splines that move almost nothing."""
 REJECTIONS = 8
 """Dampings that are tried before a point counts as a minimum, or as a kink."""
+DAMPING = Damping(fall=5.0, rise=4.0, floor=1e-9, abreast=REJECTIONS - 1)
+"""Damping of a search; the floor is for splines that move almost nothing."""
 GUESSES = (0.5, 1.5)
 """Friction forces over the fitted ones of robots whose motions are first guesses [1]."""
 
@@ -148,8 +155,7 @@ def search(leg: Leg, about: Models) -> Float[np.ndarray, " splines"]:
     plain = np.zeros(leg.splines)
     alone = (guess.misfit(leg, COARSE) for guess in about.guesses)
     guesses = [plain, *(descend(own, plain, GUESS).point for own in alone)]
-    farthest = about.farthest.misfit(leg, COARSE)
-    ends = (descend(farthest, guess, EXTREME) for guess in guesses)
+    ends = descents(about.farthest.misfit(leg, COARSE), guesses, EXTREME)
     best = min(ends, key=lambda own: own.normal.cost)
     found = descend(about.every.misfit(leg, COARSE), best.point, ALL)
     return descend(about.every.misfit(leg, FINE), found.point, LAST).point
@@ -157,7 +163,7 @@ def search(leg: Leg, about: Models) -> Float[np.ndarray, " splines"]:
 
 def descend(
     misfit: Misfit, start: Float[np.ndarray, " splines"], stage: Stage
-) -> Minimum[Motion]:
+) -> Minimum[Merit]:
     """A descent.
 
     Args:
@@ -168,10 +174,29 @@ def descend(
     Returns:
         The minimum that it leads to.
     """
+    (found,) = descents(misfit, [start], stage)
+    return found
+
+
+def descents(
+    misfit: Misfit, starts: Sequence[Float[np.ndarray, " splines"]], stage: Stage
+) -> list[Minimum[Merit]]:
+    """Descents side by side.
+
+    Args:
+        misfit: What is to fall.
+        starts: Where each begins.
+        stage: When each ends.
+
+    Returns:
+        The minima that they lead to.
+    """
     stopping = Stopping(
         steps=stage.steps, rejections=REJECTIONS, saving=stage.saving, share=0.0
     )
-    return minimise(misfit, start, stopping=stopping, damping=DAMPING)
+    return minimise_together(
+        misfit, starts, stopping=stopping, damping=DAMPING, derive=misfit.derived
+    )
 
 
 def steps_of(leg: Leg, duration: float) -> int:

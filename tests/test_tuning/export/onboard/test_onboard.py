@@ -1,6 +1,7 @@
 """The planner in C, compiled: it plans what Python plans, and bears bad calls."""
 
 import ctypes
+import importlib.util
 import math
 import pathlib
 import shutil
@@ -70,9 +71,9 @@ def folder(tmp_path_factory):
     return where
 
 
-def build(folder, *arguments, strict=tuple(STRICT)):
+def build(folder, *arguments, strict=tuple(STRICT), compiler=(COMPILER,)):
     made = subprocess.run(
-        [COMPILER, *strict, *arguments, "-lm"], cwd=folder, capture_output=True, text=True
+        [*compiler, *strict, *arguments, "-lm"], cwd=folder, capture_output=True, text=True
     )
     assert made.returncode == 0, made.stderr[-3000:]
 
@@ -153,6 +154,7 @@ def compared(planner, legs):
     return different
 
 
+@pytest.mark.slow
 def test_a_few_legs_are_planned_as_python_plans_them(planner):
     legs = random_legs(ROBOT.frame, 3, seed=7, leg_times=(0.9, 1.6))
     assert not compared(planner, legs)
@@ -267,15 +269,35 @@ def test_a_thousand_hostile_calls_are_borne_under_sanitizers(folder):
     assert done.returncode == 0, done.stdout + done.stderr[-3000:]
 
 
+def compiler_for_32_bits():
+    """The compiler here where it has headers for 32 bits, or Zig's, which brings its own."""
+    empty = subprocess.run(
+        [COMPILER, "-m32", "-E", "-x", "c", "-"],
+        input=b"#include <math.h>\n",
+        capture_output=True,
+    )
+    if not empty.returncode:
+        return [COMPILER, "-m32"]
+    if importlib.util.find_spec("ziglang") is None:
+        pytest.skip("no compiler for 32 bits here: run with `uv run --with ziglang pytest`")
+    return [sys.executable, "-m", "ziglang", "cc", "-target", "x86-linux-musl"]
+
+
 @pytest.mark.slow
-def test_it_compiles_for_32_bits(folder):
-    for extra in (["-m32"], ["-m32", "-ffloat-store"]):
-        trial = subprocess.run(
-            [COMPILER, "-m32", "-E", "-x", "c", "-"],
-            input="#include <math.h>\n",
-            capture_output=True,
-            text=True,
-        )
-        if trial.returncode:
-            pytest.skip("this compiler has no headers for 32 bits")
-        build(folder, "-c", "scdpr_leg.c", "-o", "leg32.o", strict=(*STRICT, *extra))
+def test_it_plans_the_same_in_32_bits(folder):
+    compiler = compiler_for_32_bits()
+    files = ("selftest.c", "scdpr_leg.c", "-o", "selftest32")
+    build(folder, *files, strict=(*STRICT, "-msse2", "-mfpmath=sse"), compiler=compiler)
+    done = subprocess.run([folder / "selftest32"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+    assert done.stdout.count("as Python plans it") == 3
+
+
+@pytest.mark.slow
+def test_what_keeps_more_digits_than_a_double_has_is_refused_with_a_remedy(folder):
+    without = ["-march=i686", "-mno-sse", "-c", "scdpr_leg.c", "-o", "never.o"]
+    made = subprocess.run(
+        [*compiler_for_32_bits(), *without], cwd=folder, capture_output=True, text=True
+    )
+    assert made.returncode != 0
+    assert "-msse2 -mfpmath=sse" in made.stderr

@@ -2,7 +2,14 @@
  * Python plans with; this is their search, line for line that of `tuning.plan`. */
 #include "scdpr_leg.h"
 
+#include <float.h>
 #include <string.h>
+
+/* Where a sum is kept in more digits than a double has, a search goes another way than the
+ * one that was planned, tested and expected to arrive. */
+#if FLT_EVAL_METHOD != 0
+#error "doubles aren't rounded as doubles here; on 32-bit x86 add -msse2 -mfpmath=sse"
+#endif
 
 $kernels
 
