@@ -144,7 +144,8 @@ def _strangers(
         views = [corners[k] for k in kept]
         result = opencv().calibrateCameraExtended(boards, views, size, None, None)
         errors = np.ravel(result[7])
-        if errors.max() < max(MOST_RMS, _STRANGE * float(np.median(errors))):
+        stands_out = errors.max() > max(MOST_RMS, _STRANGE * float(np.median(errors)))
+        if result[0] <= MOST_RMS and not stands_out:
             break
         strange.append(kept[int(np.argmax(errors))])
     return strange

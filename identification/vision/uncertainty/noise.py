@@ -1,11 +1,11 @@
 r"""What varies from picture to picture: noise of each marker, and what all have in common.
 
 Each disc's picture tells how far its place may be off (`spots.disc`), by direction: a fast
-disc is blurred along its way, a dark one has less light. Within a factor of two, as what pixels
-are off by depends on the codec. What the bodies don't allow tells the rest: a rigid body's
-markers keep their distances and a carriage its height, so what these do is error. Neither
-alone would do: no carriage says how far it is off along its guide, and no disc what its codec
-did to it.
+disc is blurred along its way, a dark one has less light. It does within a fifth, and a third
+too little where a codec has smoothed away what it is off by. What the bodies don't allow tells
+the rest: a rigid body's markers keep their distances and a carriage its height, so what these
+do is error. Neither alone would do: no carriage says how far it is off along its guide, and no
+disc what its codec did to it.
 
 What changes slowly along the guides is the lens's and the plane's, which are told elsewhere,
 so a parabola in the place is taken off first.

@@ -10,6 +10,7 @@ from rig_film import shoot, usual
 
 from experiments.virtual_rig.recovery import RUNS, campaign, draw, simulated
 from identification.campaign import CameraStream
+from identification.campaign.types import HEIGHT_OFFSET
 from identification.result.estimation import estimate
 from identification.vision.settings import read_vision
 from identification.vision.tracking import track
@@ -28,7 +29,8 @@ def filmed(run, motion, folder, number):
     values = tracked.poses.values
     position = np.stack([values[k] for k in ("x_e", "delta_e", "q_3", "q_4", "y_e")], axis=-1)
     camera = CameraStream(time=tracked.clock.frames, position=position)
-    return dataclasses.replace(run, camera=camera, camera_sigma=tracked.sigma.columns)
+    sigma = tracked.sigma.columns | {HEIGHT_OFFSET: tracked.sigma.common["y_e"]}
+    return dataclasses.replace(run, camera=camera, camera_sigma=sigma)
 
 
 def motions(truth, seed):

@@ -68,10 +68,11 @@ def test_a_runs_campaign_states_its_camera_and_keeps_its_own_words(run):
     told = json.loads((place / "track.json").read_text())
     assert text.startswith("format = 1  # our rig\n")
     own = tomllib.loads(text)["sensors"]["runs"]["0001-torque-step"]
-    assert set(own) == set(told["sigma"])
+    wanted = told["sigma"] | {"y_e_offset": told["sigma_common"]["y_e"]}
+    assert set(own) == set(wanted)
     for name, value in own.items():
         unit = "rad" if name == "delta_e" else "m"
-        written = (parse_quantity(each, unit=unit) for each in (value, told["sigma"][name]))
+        written = (parse_quantity(each, unit=unit) for each in (value, wanted[name]))
         assert next(written) == pytest.approx(next(written))
 
 

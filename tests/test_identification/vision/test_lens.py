@@ -102,6 +102,16 @@ def test_photos_by_different_lenses_are_refused(photos, tmp_path):
         calibrated([*photos[:4], *sorted(tmp_path.glob("*.jpg"))])
 
 
+def test_one_photo_that_is_none_of_the_lens_is_left_out_and_named(photos, tmp_path):
+    other = dataclasses.replace(CAMERA, distortion=(0.1, -0.1, 0.0, 0.0, 0.0))
+    photograph(other, tmp_path, 1, np.random.default_rng(6))
+    (strange,) = tmp_path.glob("*.jpg")
+    renamed = strange.rename(tmp_path / "strange.jpg")
+    lens, notes = calibrated([*photos[:7], renamed])
+    assert lens.rms < 0.1
+    assert notes == ("corners that aren't where the others have them in strange.jpg: not used",)
+
+
 def test_a_file_that_is_no_picture_is_named(tmp_path):
     (tmp_path / "00.jpg").write_bytes(b"no picture")
     with pytest.raises(ValueError, match=r"00\.jpg is no picture that can be read"):
