@@ -51,6 +51,10 @@ EARLY = 0.08
 RESTING = 40
 """Frames at rest that count: the place is known by then."""
 
+REST = 2.0
+"""How long before the first motion they are at most [s]: milliseconds read as seconds would be
+followed for an hour."""
+
 PITCHES = (0.5, 12.0)
 """Lowest and highest frequency of the first swing [Hz]."""
 
@@ -273,7 +277,9 @@ def _window(record: Record, rig: Rig, moved: Onset, length: float) -> _Window | 
     seen = np.isfinite(record.position[:, X])
     stamps = record.frame_time - record.offset
     frame = float(np.median(np.diff(stamps)))
-    seen &= stamps <= moved.after + max(FRAMES * frame, length)
+    seen &= (stamps <= moved.after + max(FRAMES * frame, length)) & (
+        stamps > moved.after - REST
+    )
     rows = np.flatnonzero(seen)
     rest = int(np.count_nonzero(rows < moved.row))
     rows = rows[max(rest - RESTING, 0) :]
