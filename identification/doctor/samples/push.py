@@ -51,6 +51,9 @@ EARLY = 0.08
 RESTING = 40
 """Frames at rest that count: the place is known by then."""
 
+REST = 2.0
+"""How long before the first motion they are at most [s]: a clock's unit may be wrong."""
+
 PITCHES = (0.5, 12.0)
 """Lowest and highest frequency of the first swing [Hz]."""
 
@@ -91,7 +94,7 @@ NEARLY = 0.99
 """Share of the most likelihood within a frame that counts as the most."""
 
 SHAPE = 0.05
-"""What the begin of a push isn't known by, over its length [1]: its shape is neither."""
+"""What the begin isn't known by, over the length [1]: a push's shape is neither."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -215,8 +218,7 @@ def _closed_in(
     root = np.linalg.cholesky(np.linalg.inv(known))
     along = np.linspace(-SPAN, SPAN, AROUND)
     unit = np.stack(np.meshgrid(along, along, along, indexing="ij"), axis=-1)[..., [0, 2, 1]]
-    laid = np.moveaxis(best + unit @ root.T, -1, 0)
-    pitches, lengths, centres = laid
+    pitches, lengths, centres = laid = np.moveaxis(best + unit @ root.T, -1, 0)
     # The first axis alone moves the frequency: `root` is a triangle.
     costs = np.stack(
         [
@@ -238,8 +240,7 @@ def _descended(
     high: Float64[np.ndarray, "3"],
 ) -> tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "rows 3"], float]:
     """The push of least residuals by Levenberg and Marquardt, its Jacobian and its cost."""
-    residual = _residual(window, shape, point)
-    damping = 1e-3
+    residual, damping = _residual(window, shape, point), 1e-3
     jacobian = _jacobian(window, shape, point, residual)
     for _ in range(STEPS):
         normal = jacobian.T @ jacobian
@@ -273,7 +274,9 @@ def _window(record: Record, rig: Rig, moved: Onset, length: float) -> _Window | 
     seen = np.isfinite(record.position[:, X])
     stamps = record.frame_time - record.offset
     frame = float(np.median(np.diff(stamps)))
-    seen &= stamps <= moved.after + max(FRAMES * frame, length)
+    seen &= (stamps <= moved.after + max(FRAMES * frame, length)) & (
+        stamps > moved.after - REST
+    )
     rows = np.flatnonzero(seen)
     rest = int(np.count_nonzero(rows < moved.row))
     rows = rows[max(rest - RESTING, 0) :]

@@ -148,7 +148,7 @@ def _search(base: Examination, without: Collection[str] = ()) -> list[Explanatio
             continue
         # What is worse than the three best ones by the margin of an alternative is neither
         # told nor followed by a second slip: it needn't be known how much worse.
-        best = sorted({each.rank for each in found})[:BEST]
+        best = sorted(each.left for each in found)[:BEST]
         enough = best[-1] + MARGIN if len(best) == BEST else math.inf
         after = examination(undone.case, base, enough=enough)
         left = after.severity + VANISHED * _vanished(base, after, slip)
@@ -176,9 +176,8 @@ def _gained(examination: Examination) -> set[str]:
 def _pairs(first: list[Explanation]) -> list[Explanation]:
     """The best second slip after each of the three best first ones, beside single ones."""
     found = list(first)
-    # Drives 1 and 2 often leave the same: what leaves as much as another is followed once.
-    starts = {each.rank: each for each in reversed(first)}
-    for start in [starts[rank] for rank in sorted(starts)[:BEST]]:
+    for start in [each for each in first if not _forgets(each)][:BEST]:
+        second = _search(start.examination, (start.slips[0].id,))
         found += [
             Explanation(
                 then.left + (PRICE if then.left > 0 else SURE),
@@ -186,9 +185,17 @@ def _pairs(first: list[Explanation]) -> list[Explanation]:
                 (*start.steps, *then.steps),
                 then.examination,
             )
-            for then in _search(start.examination, (start.slips[0].id,))[:1]
+            for then in [each for each in second if not _forgets(each)][:1]
         ]
     return sorted(found, key=lambda each: each.rank)
+
+
+def _forgets(explanation: Explanation) -> bool:
+    """Whether it leaves the starts out of judgement, and yet something contradicts.
+
+    Every other slip puts a signal right. Beside one of them, this would win by what it hides.
+    """
+    return explanation.slips[0].id == "label.initial" and explanation.left > 0
 
 
 def _in_odd_runs(base: Examination) -> tuple[list[Explanation], tuple[str, ...]]:
