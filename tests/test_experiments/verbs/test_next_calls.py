@@ -46,7 +46,7 @@ def calls(monkeypatch, tmp_path, capsys, request):
     monkeypatch.setattr(
         calibrate,
         "shown_progress",
-        lambda console, name: contextlib.nullcontext(SILENT),
+        lambda console, name, given: contextlib.nullcontext(SILENT),
     )
     # The sample's streams are made up one by one, which the log doctor would object to.
     monkeypatch.setattr(log_doctor, "examined", lambda campaign, accept, *, verb: campaign)
