@@ -6,6 +6,7 @@ import functools
 import numpy as np
 import pytest
 from rig_film import easy, hard, shoot, usual
+from share import share
 
 from identification.vision.settings import read_vision
 from identification.vision.tracking import track
@@ -88,9 +89,7 @@ def test_hidden_markers_and_copies_have_no_pose_and_most_of_the_rest_have_one(fi
     assert posed[seen].sum() >= 0.8 * seen.sum()
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param("easy", marks=pytest.mark.slow), "usual", "hard"]
-)
+@pytest.mark.parametrize("kind", share(("usual", "easy", "hard"), 1))
 def test_deviations_are_those_of_the_errors(films, kind):
     folder, truth = films(kind)
     found = tracked(folder)

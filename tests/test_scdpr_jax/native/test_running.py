@@ -136,7 +136,7 @@ def test_reverse_and_second_derivatives_are_those_of_the_scan(name):
         np.testing.assert_allclose(own, other, rtol=1e-11, atol=1e-11)
 
 
-@pytest.mark.parametrize("name", ["grad", "vmap of grad", "grad of vmap"])
+@pytest.mark.parametrize("name", share(("grad", "vmap of grad", "grad of vmap"), 1))
 def test_reverse_mode_is_the_same_by_many_numbers_and_by_few(name, monkeypatch):
     by_few = REVERSE[name](squares(native.run))
     monkeypatch.setattr(reverse, "MOST", 0)

@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.linalg
+from share import share
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.linear.model import linearise
@@ -99,7 +100,7 @@ def test_the_horizontal_position_does_not_matter():
     assert np.max(np.abs(aside.state_matrix - middle.state_matrix)) <= 1e-12 * size
 
 
-@pytest.mark.parametrize("loop", [UPPER_FREE, LIFTING], ids=["sideways", "lifting"])
+@pytest.mark.parametrize("loop", share((UPPER_FREE, LIFTING), 1), ids=["sideways", "lifting"])
 def test_margins_are_those_of_python_control(published, loop):
     row, column = 1, 7
     height, place = published.height[column], (JOINT_LOOPS.index(loop), row, column)
