@@ -31,7 +31,7 @@ class Row:
     high: str
     """Upper end."""
     relative: str
-    """Half of the interval over the value's `magnitude`."""
+    """Half of the interval over the value; of one that may be zero only that it is more."""
     unit: str
     """SI unit, empty for none."""
     status: str
@@ -62,7 +62,6 @@ def parameter_row(
     fixed = parameter.status == "fixed"
     # What no run shows has no interval, and none is invented.
     untold = fixed or not math.isfinite(half)
-    relative = parameter.relative
     true = None if fixed else (truth or {}).get(parameter.name)
     return Row(
         name=parameter.name,
@@ -72,13 +71,17 @@ def parameter_row(
         value=rounded(parameter.value, half),
         low="" if untold else rounded(low, half),
         high="" if untold else rounded(high, half),
-        relative="" if untold or math.isinf(relative) else percent(relative),
+        relative="" if untold else _relative(half, abs(parameter.value)),
         unit="" if parameter.unit == "1" else readable_unit(parameter.unit),
         status=parameter.status.replace("_", " "),
         truth="" if true is None else rounded(true, half),
         error="" if not true else signed_percent(parameter.value / true - 1),
         covered="" if true is None else ("yes" if inside(parameter, true) else "no"),
     )
+
+
+def _relative(half: float, size: float) -> str:
+    return percent(half / size) if half < size else "> 100 %"
 
 
 def parameters_table(rows: Sequence[Row], *, with_truth: bool) -> Table:
