@@ -71,7 +71,7 @@ def parameter_row(
         value=rounded(parameter.value, half),
         low="" if untold else rounded(low, half),
         high="" if untold else rounded(high, half),
-        relative="" if untold else _relative(half, abs(parameter.value)),
+        relative="" if untold else _relative(parameter),
         unit="" if parameter.unit == "1" else readable_unit(parameter.unit),
         status=parameter.status.replace("_", " "),
         truth="" if true is None else rounded(true, half),
@@ -80,8 +80,10 @@ def parameter_row(
     )
 
 
-def _relative(half: float, size: float) -> str:
-    return percent(half / size) if half < size else "> 100 %"
+def _relative(parameter: ParameterEstimate) -> str:
+    if parameter.may_be_zero:
+        return "> 100 %"
+    return percent(parameter.half_width / abs(parameter.value))
 
 
 def parameters_table(rows: Sequence[Row], *, with_truth: bool) -> Table:

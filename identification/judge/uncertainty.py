@@ -73,6 +73,11 @@ class ParameterEstimate:
         return half_width(self.sigma, 0.95, self.degrees_of_freedom)
 
     @property
+    def may_be_zero(self) -> bool:
+        """Whether the 95 % interval, before it is cut, holds zero."""
+        return self.half_width >= abs(self.value)
+
+    @property
     def relative(self) -> float:
         """The same over the value, or over what is negligible of the quantity [1]."""
         size = magnitude(self.name, self.value)

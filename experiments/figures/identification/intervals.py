@@ -19,6 +19,8 @@ class RelativeInterval(NamedTuple):
     half_width: float
     """Half of the 95 % interval over the value's `magnitude` [1]; infinite where it isn't
     known."""
+    known: str
+    """How well the value is known, in words."""
     error: float | None
     """Estimate minus truth over truth [1], None where no truth is given."""
     status: str
@@ -46,11 +48,28 @@ def relative_intervals(
             RelativeInterval(
                 name=shown_name(parameter),
                 half_width=parameter.relative,
+                known=known_to(parameter),
                 error=parameter.value / true - 1 if true else None,
                 status=parameter.status,
             )
         )
     return tuple(relative)
+
+
+def known_to(parameter: ParameterEstimate) -> str:
+    """How well a parameter is known.
+
+    Args:
+        parameter: The parameter.
+
+    Returns:
+        "±0.5 %", "may be zero", or nothing where no run shows it.
+    """
+    if not np.isfinite(parameter.half_width):
+        return ""
+    if parameter.may_be_zero:
+        return "may be zero"
+    return f"±{percent(parameter.half_width / abs(parameter.value))}"
 
 
 def shown_name(parameter: ParameterEstimate) -> str:
@@ -88,9 +107,9 @@ def intervals(
     for place, row in enumerate(rows):
         end = min(max(100 * row.half_width, least), most)
         axes.plot([least, end], [place, place], color=style.BLUE, lw=7, solid_capstyle="butt")
-        known = f"±{percent(row.half_width)}, " if np.isfinite(row.half_width) else ""
+        told = ", ".join(filter(None, (row.known, row.status.replace("_", " "))))
         axes.annotate(
-            f"{row.name}: {known}{row.status.replace('_', ' ')}",
+            f"{row.name}: {told}",
             (0.0, place - 0.32),
             xycoords=("axes fraction", "data"),
             xytext=(2, 0),

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from experiments.figures.identification.intervals import intervals
+from experiments.figures.identification.intervals import intervals, known_to, shown_name
 from experiments.figures.identification.residuals import residuals
 from experiments.figures.identification.run_comparison import run_comparison
 from experiments.figures.robot_film import Track, robot_film
 from experiments.page.coordinates import COORDINATES
-from experiments.page.number_text import percent, plain
+from experiments.page.number_text import plain
 from experiments.page.page import Picture, Pictures
 from experiments.page.pictures.drawing import Draw, draw
 from experiments.studies.findings.parameters import estimated
@@ -106,7 +106,7 @@ def run_film(estimate: Estimate, *, name: str) -> tuple[Markup, str] | None:
 def _intervals(
     free: Sequence[ParameterEstimate], truth: dict[str, float] | None, picture: Pictures
 ) -> Picture:
-    told = [f"{p.name.replace('_', ' ')} ±{percent(p.relative)}" for p in free]
+    told = [f"{shown_name(own)} {known_to(own)}" for own in free]
     return picture(
         intervals(free, truth=truth),
         "How well each parameter is known: the shorter the bar, the better. A bar that "

@@ -35,6 +35,7 @@ def test_what_may_be_zero_is_held_against_its_usual_size():
     (bar,) = relative_intervals([parameter("drive_friction", 3e-6, 2e-6, unit="N m")])
     # A tenth of 0.05 N m, and 1.96 standard errors.
     assert bar.half_width == pytest.approx(NORMAL * 2e-6 / 5e-3, rel=1e-12)
+    assert bar.known == "may be zero"
 
 
 def test_residuals_are_in_units_of_the_noise():
