@@ -6,6 +6,7 @@ disk, made known to XLA) ← `handler`, `kernel` and `interface` (what XLA calls
 `kept_jit` compiles functions with such runs in them, and keeps what was traced.
 """
 
+from .direct import Held as Held
 from .direct import Runs as Runs
 from .direct import Slopes as Slopes
 from .kept.programs import kept_jit as kept_jit

@@ -63,8 +63,9 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         Returns:
             What the last step carries on and the outputs, likewise.
         """
-        step, structure, operands = self._given(start, inputs)
-        return jax.tree.unflatten(structure, self._made(step, operands, (), (), None))
+        held = self.held(start, inputs)
+        held()
+        return held.results
 
     def linearised(
         self,
@@ -87,17 +88,54 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         Returns:
             Results, and derivatives, which have an axis of tangents last.
         """
+        held = self.held(start, inputs, along=along, begun=begun)
+        held()
+        return held.results, held.slopes
+
+    def held(
+        self,
+        start: Carry,
+        inputs: Inputs,
+        *,
+        along: Slopes | None = None,
+        begun: Int[np.ndarray, " steps"] | None = None,
+    ) -> "Held[Carry, Outputs]":
+        """A run that can be made again and again, of whatever its arrays hold by then.
+
+        Args:
+            start: As in `linearised`, here and below. Arrays of whole float64 rows are read
+                where they are in every run; others are copied now.
+            inputs: Inputs of the steps.
+            along: Tangents; None for no derivatives.
+            begun: How many of them have begun.
+
+        Returns:
+            The run, not made yet.
+        """
         step, structure, operands = self._given(start, inputs)
-        leaves = jax.tree.leaves(tuple(along), is_leaf=lambda own: own is None)
-        seeds = [None] * step.parameters + leaves
-        moving = tuple(seed is not None for seed in seeds)
-        given = [np.ascontiguousarray(seed, float) for seed in seeds if seed is not None]
-        made = self._made(step, operands, moving, given, begun)
-        count = len(made) // 2
-        values, slopes = (
-            jax.tree.unflatten(structure, own) for own in (made[:count], made[count:])
-        )
-        return values, Slopes(*slopes)
+        leaves = jax.tree.leaves(tuple(along or ()), is_leaf=lambda own: own is None)
+        moving = tuple(own is not None for own in [None] * step.parameters + leaves)
+        seeds = [np.ascontiguousarray(own, float) for own in leaves if own is not None]
+        room = self._results(step, operands, seeds)
+        arrays = _Arrays(self._parameters, operands, seeds, begun, *room)
+        made = jax.tree.unflatten(structure, arrays.results)
+        slopes = Slopes(*jax.tree.unflatten(structure, arrays.slopes)) if along else None
+        return Held(made, slopes, self._made(step, moving if along else (), arrays))
+
+    def _results(
+        self, step: Step, operands: Sequence[np.ndarray], seeds: Sequence[np.ndarray]
+    ) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Room for results, and for derivatives if there are tangents."""
+        robots = max(self._robots, *map(len, (*operands, *seeds)))
+        steps = operands[-1].shape[1]
+        shapes = [
+            (robots, steps, *own) if name.startswith("output") else (robots, *own)
+            for name, own in step.results.items()
+        ]
+        tangents = max((own.shape[1] for own in seeds), default=0)
+        # Derivatives along tangents that haven't begun stay zero.
+        slopes = [np.zeros((*own, tangents)) for own in shapes] if seeds else []
+        return [np.empty(own) for own in shapes], slopes
 
     def _given(
         self, start: Carry, inputs: Inputs
@@ -122,21 +160,56 @@ class Runs(Generic[Parameters, Carry, Inputs, Outputs]):
         return *self._traced[kind], held + told
 
     def _made(
-        self,
-        step: Step,
-        operands: Sequence[np.ndarray],
-        moving: tuple[bool, ...],
-        seeds: Sequence[np.ndarray],
-        begun: np.ndarray | None,
-    ) -> list[np.ndarray]:
-        """Results, and derivatives where there are tangents."""
-        robots = max(self._robots, *map(len, (*operands, *seeds)))
+        self, step: Step, moving: tuple[bool, ...], arrays: "_Arrays"
+    ) -> Callable[[], None]:
+        """What fills the arrays of results."""
+        robots = len(arrays.results[0])
         lanes = primitive.LANES if robots > 1 else 1
         code = _code(step, moving, lanes) if machine.is_checked() else None
-        if code is None:
-            every = [*self._parameters, *operands]
-            return [np.asarray(own) for own in _by_xla(every, seeds, step=step, moving=moving)]
-        return code(self._words, robots, operands, seeds, begun)
+        if code is not None:
+            return code.run(self._words, arrays)
+
+        def by_xla() -> None:
+            every = [*arrays.parameters, *arrays.operands]
+            made = _by_xla(every, arrays.seeds, step=step, moving=moving)
+            for own, other in zip((*arrays.results, *arrays.slopes), made, strict=True):
+                own[...] = other
+
+        return by_xla
+
+
+class Held(Generic[Carry, Outputs]):
+    """A run with its arrays."""
+
+    def __init__(
+        self,
+        results: tuple[Carry, Outputs],
+        slopes: Slopes | None,
+        run: Callable[[], None],
+    ):
+        """Made by `Runs.held`.
+
+        Args:
+            results: What the last step carries on and the outputs, of the last call.
+            slopes: Their derivatives; None without tangents.
+            run: What computes both.
+        """
+        self.results, self.slopes, self._run = results, slopes, run
+
+    def __call__(self) -> None:
+        """Make the run: `results` and `slopes` are overwritten."""
+        self._run()
+
+
+class _Arrays(NamedTuple):
+    """Arrays of a run, which are there as long as it is."""
+
+    parameters: Sequence[np.ndarray]
+    operands: Sequence[np.ndarray]
+    seeds: Sequence[np.ndarray]
+    begun: np.ndarray | None
+    results: Sequence[np.ndarray]
+    slopes: Sequence[np.ndarray]
 
 
 @functools.cache
@@ -177,45 +250,44 @@ class _Code:
     """A kernel's group of robots as a function of memory."""
 
     def __init__(self, step: Step, moving: tuple[bool, ...], lanes: int):
-        # Shapes of the results, and which of them have a row for each step.
-        self.results = [(n.startswith("output"), s) for n, s in step.results.items()]
         self.lanes = lanes
         self.group: Callable[[Any, int], None] = ctypes.CFUNCTYPE(
             None, ctypes.c_void_p, ctypes.c_long
         )(machine.group_address(step, machine.Wanted(moving, values=True), lanes=lanes))
 
-    def __call__(
-        self,
-        parameters: list[int],
-        robots: int,
-        operands: Sequence[np.ndarray],
-        seeds: Sequence[np.ndarray],
-        begun: np.ndarray | None,
-    ) -> list[np.ndarray]:
-        steps = operands[-1].shape[1]
-        tangents = max((own.shape[1] for own in seeds), default=1)
-        results = [
-            np.empty((robots, steps, *shape) if rows else (robots, *shape))
-            for rows, shape in self.results
-        ]
-        slopes = [np.zeros((*own.shape, tangents)) for own in results] if seeds else []
-        groups = -(-robots // self.lanes)
-        words = {"last": robots - 1, "steps": steps, "tangents": tangents, "groups": groups}
+    def run(self, parameters: list[int], arrays: _Arrays) -> Callable[[], None]:
+        """A run of these arrays, wherever they are.
+
+        Args:
+            parameters: Words of the parameters.
+            arrays: The arrays.
+
+        Returns:
+            What makes it.
+        """
+        first, rows = arrays.results[0], arrays.operands[-1]
+        groups = -(-len(first) // self.lanes)
+        tangents = arrays.slopes[0].shape[-1] if arrays.slopes else 1
+        words = {"last": len(first) - 1, "steps": rows.shape[1]}
+        words |= {"tangents": tangents, "groups": groups}
+        begun = arrays.begun
         if begun is not None:
             begun = np.ascontiguousarray(begun, np.int64)
             words["begun"] = _place(begun)
         numbers = [words.get(word, 0) for word in TASK] + parameters
-        for own in operands:
+        for own in arrays.operands:
             numbers += _own_words(own)
-        for own in seeds:
+        for own in arrays.seeds:
             numbers += _seed_words(own)
-        for own in itertools.chain(results, slopes):
+        for own in itertools.chain(arrays.results, arrays.slopes):
             numbers += _own_words(own)
         task = np.array(numbers, np.int64)
-        place = _place(task)
+        return functools.partial(self._run, _place(task), groups, (arrays, begun, task))
+
+    def _run(self, task: int, groups: int, _: object) -> None:
+        """The last argument is the memory that the task is of."""
         for group in range(groups):
-            self.group(place, group)
-        return [*results, *slopes]
+            self.group(task, group)
 
 
 _BYTES = 8

@@ -36,9 +36,9 @@ def planned(
     alone = scenarios(robot, FITTED)
     fitted = Leader(alone.robot)
     motion = every.motion(coefficients)
-    begins = motion.slope[None, :-1:2]
+    begins = motion.slope[None, :-1:2, 0]
     halves = fitted.steps(period / 2)
-    run, positions, _ = fitted.follow(halves, starts(alone, leg), lead, begins)
+    end, (positions, _) = halves(starts(alone, leg), (lead, begins))
     middles = Moment(*(own[None, 2::4] for own in motion))
     volts = fitted.commands(positions[:, 1::2], middles)
     led = np.stack([lower, height], axis=1)[::4]
@@ -47,7 +47,7 @@ def planned(
     way = led - led[0]
     angle = np.stack([way[:, 0] + way[:, 1], way[:, 0] - way[:, 1]], axis=1) / radius
     if float(robot.drive.compliance):
-        sampled_at = np.concatenate([positions[:, ::2], run.end.position[:, None]], axis=1)
+        sampled_at = np.concatenate([positions[:, ::2], end.position[:, None]], axis=1)
         sampled = Moment(*(own[None, ::4] for own in motion))
         ahead = fitted.stretches(sampled_at, sampled)
         # The angles count from the begin, at which nothing has moved yet.

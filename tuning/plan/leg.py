@@ -70,19 +70,6 @@ class Places(NamedTuple):
         """
         return self.plain[0, :, 0] + self.splines[0] @ coefficients
 
-    def velocity(self, coefficients: Float[np.ndarray, " splines"]) -> Float[np.ndarray, "n 2"]:
-        """Led velocities of lower carriage and height.
-
-        Args:
-            coefficients: Of the splines [m].
-
-        Returns:
-            The velocities [m/s].
-        """
-        moved = self.plain[1].copy()
-        moved[:, 0] += self.splines[1] @ coefficients
-        return moved
-
     def motion(self, coefficients: Float[np.ndarray, " splines"]) -> Moment:
         """The led motion of lower carriage and height.
 

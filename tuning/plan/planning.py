@@ -36,7 +36,16 @@ from tuning.plan.pace import Pace
 from tuning.plan.plan import Plan
 from tuning.plan.search.misfit import Misfit
 from tuning.plan.search.scenarios import scenarios
-from tuning.plan.search.stages import COARSE, FINE, FIRST, Models, descend, models, search
+from tuning.plan.search.stages import (
+    COARSE,
+    FINE,
+    FIRST,
+    Models,
+    descend,
+    models,
+    search,
+    stepped,
+)
 
 LEG_TIME = 2.0
 """Time of a leg that is not asked for otherwise, if the drives can [s]."""
@@ -272,24 +281,24 @@ def _motion(
     leg = pace.possible(leg)
     for attempt in range(ATTEMPTS):
         progress(f"motion in {leg.time:.3g} s", 0.2 * attempt / ATTEMPTS)
-        alone = about.fitted.misfit(leg, COARSE)
+        coarse = stepped(leg, COARSE)
+        alone = Misfit(about.fitted, coarse)
         first = descend(alone, np.zeros(leg.splines), FIRST).point
         if attempt == ATTEMPTS - 1 or _is_good(alone, first):
             break
         leg = pace.paced(dataclasses.replace(leg, time=leg.time * LONGER))
     progress(f"motion in {leg.time:.3g} s for robots as they might be", 0.2)
-    fine = about.every.misfit(leg, FINE)
-    return leg, min(search(leg, about), first, key=fine.cost)
+    fine = Misfit(about.every, stepped(leg, FINE))
+    return leg, min(search(about, coarse, fine), first, key=fine.cost)
 
 
 def _is_good(fitted: Misfit, point: Float[np.ndarray, " splines"]) -> bool:
     """Whether the fitted robot is at rest at the target, and its drives within their limits."""
-    own, run = fitted.run(point)
-    vibration = float(fitted.arriving.vibrations(run, fitted.goals)[0])
-    rest = abs(float(fitted.arriving(run, fitted.goals).rest[0]))
-    most = WITHIN * float(fitted.robots.robot.drive.voltage_limit[0])
-    asked = float(np.max(np.abs(fitted.commands(own, point))))
-    return vibration <= STILL and rest <= ON_TARGET and asked <= most
+    run = fitted.rehearsed(point)
+    (*_, rest), (vibration,) = run.arrived[0], run.vibrations()
+    most = WITHIN * float(fitted.team.robots.robot.drive.voltage_limit[0])
+    asked = float(np.max(np.abs(run.commands)))
+    return bool(vibration <= STILL and abs(rest) <= ON_TARGET and asked <= most)
 
 
 def _refuse(leg: Wanted) -> None:

@@ -196,13 +196,11 @@ def spline_moments(
     """
     about = (np.array([duration]), np.array([float(count)]))
     _, (first, active) = native.Runs(_spline_rows, about)((), time[None])
-    columns = first[0].astype(int)[:, None] + np.arange(ACTIVE)
-    rows = np.broadcast_to(np.arange(time.size)[:, None], columns.shape)
-    there = (columns >= 0) & (columns < count)
-    made = np.zeros((3, time.size, count))
+    columns = first[0].astype(int)[:, None] + (np.arange(ACTIVE) + _AT_ENDS)
+    made = np.zeros((3, time.size, count + 2 * _AT_ENDS))
     for whole, own in zip(made, active, strict=True):
-        whole[rows[there], columns[there]] = own[0][there]
-    return made
+        np.put_along_axis(whole, columns, own[0], axis=1)
+    return np.ascontiguousarray(made[..., _AT_ENDS:-_AT_ENDS])
 
 
 def _spline_rows(

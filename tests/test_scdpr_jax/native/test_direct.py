@@ -1,5 +1,7 @@
 """Runs between NumPy's arrays do what `native.run` does, whatever their shapes."""
 
+import gc
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -91,6 +93,37 @@ def test_tangents_that_have_not_begun_may_be_left_out(way, tangents):
     made = runs.linearised(start, push, along=along, begun=begun)
     wanted = runs.linearised(start, push, along=along)
     for own, other in zip(jax.tree.leaves(made), jax.tree.leaves(wanted), strict=True):
+        np.testing.assert_array_equal(own, other)
+
+
+def test_a_held_run_is_of_what_its_arrays_hold_by_then(way):
+    stiffness, start, push = drawn(5, 6)
+    along = Slopes((np.ones((1, 2)), np.zeros((1, 2))), np.zeros((1, 2, 1)).repeat(6, 2))
+    runs = Runs(swing, stiffness)
+    held = runs.held(start, push, along=along)
+    for seed in (1, 2):
+        _, (place, speed), push[...] = drawn(5, 6, seed)
+        start[0][...], start[1][...] = place, speed
+        along.rows[...] = np.random.default_rng(seed).normal(size=(1, 2, 6))
+        held()
+        wanted = runs.linearised((place, speed), push.copy(), along=along)
+        for own, other in zip(
+            jax.tree.leaves((held.results, tuple(held.slopes))),
+            jax.tree.leaves((wanted[0], tuple(wanted[1]))),
+            strict=True,
+        ):
+            np.testing.assert_array_equal(own, other)
+
+
+def test_a_held_run_outlives_what_it_was_made_from():
+    stiffness, start, push = drawn(3, 4)
+    wanted = Runs(swing, stiffness)(start, push)
+    held = Runs(swing, stiffness.copy()).held(jax.tree.map(np.copy, start), push.copy())
+    gc.collect()
+    scratch = [np.full(12, np.nan) for _ in range(1000)]
+    held()
+    assert len(scratch) == 1000
+    for own, other in zip(jax.tree.leaves(held.results), jax.tree.leaves(wanted), strict=True):
         np.testing.assert_array_equal(own, other)
 
 

@@ -19,8 +19,9 @@ from tuning.plan.at_rate import planned
 from tuning.plan.expectation import ROBOTS
 from tuning.plan.leg import Leg
 from tuning.plan.planning import Wanted, plan_leg, plan_legs, resting_start
+from tuning.plan.search.misfit import Misfit
 from tuning.plan.search.scenarios import scenarios
-from tuning.plan.search.stages import COARSE, FINE, Stage, descend, models
+from tuning.plan.search.stages import COARSE, FINE, Stage, descend, models, stepped
 
 NUMBERS = {
     "effective_pretension": 85.166460,
@@ -41,12 +42,12 @@ def leg():
 @functools.cache
 def misfit(slope=0.0):
     leg = Leg((0.5, 0.7), (1.6, 0.4), 1.0, slope)
-    return models(FITTED, CONTROLLER, told=False).every.misfit(leg, COARSE)
+    return Misfit(models(FITTED, CONTROLLER, told=False).every, stepped(leg, COARSE))
 
 
 def random_point(seed, size=2e-3):
     about = misfit()
-    return np.random.default_rng(seed).normal(size=about.leg.splines) * size
+    return np.random.default_rng(seed).normal(size=about.grid.leg.splines) * size
 
 
 @given(st.integers(0, 2**31))
@@ -156,12 +157,11 @@ def test_the_led_robot_is_that_of_the_closed_loop():
     """Where the motors follow, the reduced model is the engine: to the commands' hold."""
     leg = Leg((0.6, 0.7), (1.3, 0.4), 1.6)
     about = models(FITTED, CONTROLLER, told=False)
-    fine = about.fitted.misfit(leg, FINE)
+    fine = Misfit(about.fitted, stepped(leg, FINE))
     point = descend(fine, np.zeros(leg.splines), Stage(3, 0.0)).point
-    _, run = fine.run(point)
+    run = fine.rehearsed(point)
     plan = planned(FITTED, leg, point, period=1e-3)
     told = expecting.expectation(scenarios(FITTED, ROBOTS), CONTROLLER, leg, plan)
-    assert told.resting[0] == pytest.approx(fine.arriving(run, fine.goals).rest[0], abs=6e-5)
+    assert told.resting[0] == pytest.approx(run.arrived[0, -1], abs=6e-5)
     # Millimetres without a plan; the command's hold is worth some hundredths.
-    vibration = fine.arriving.vibrations(run, fine.goals)[0]
-    assert told.vibration[0] == pytest.approx(vibration, abs=6e-5)
+    assert told.vibration[0] == pytest.approx(run.vibrations()[0], abs=6e-5)

@@ -1,41 +1,16 @@
 """Robots whose lower carriage and height are led along a leg: what the rest of them does."""
 
-from typing import NamedTuple
-
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
 from scdpr_jax import native
 from scdpr_jax.engines.led_stepping import Lead, Undriven, step, whole_position
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.feedforward import inverse_dynamics, stretch
-from tuning.plan.led.arrival import Arrival, Goal, arrival, vibration
+from tuning.plan.led.arrival import Goal, arrival, vibration
 from tuning.plan.led.servo import Deviation, Led, Servo, deviating_step, led_force, transitions
 from tuning.plan.profile import Moment
-
-Slopes = native.Slopes
-"""Derivatives by the splines' coefficients, along the last axis."""
-
-
-class Followed(NamedTuple):
-    """How robots follow."""
-
-    end: Undriven
-    """State at the end of the leg."""
-    aside: Deviation
-    """By how much the lower carriage deviates there."""
-    place: Float[np.ndarray, "robots steps"]
-    """Where the end-effectors are at the beginning of each step, $x_e$ [m]."""
-
-
-class Inverted(NamedTuple):
-    """How a robot follows whose own dynamics are inverted; or derivatives of it."""
-
-    run: Followed
-    positions: Float[np.ndarray, "1 steps 3 ..."]
-    """The undriven coordinates at the beginning of each step [m, rad, m]."""
-    force: Float[np.ndarray, "1 steps ..."]
-    """What pulls at the lower carriage, with friction, at the beginning of each step [N]."""
 
 
 class Leader:
@@ -48,77 +23,22 @@ class Leader:
             robot: The robot, stacked.
         """
         self._robot = robot
-        self._command = native.Runs(_command, robot)
+        self.commanding = native.Runs(_command, robot)
+        """Commands [V] from the undriven coordinates and the led `Moment`, each by itself."""
         self._stretch = native.Runs(_stretched, robot)
 
     def steps(self, duration: float) -> native.Runs:
-        """Steps of a length, for `follow`.
+        """Steps along a leg.
 
         Args:
-            duration: The length [s].
+            duration: Their length [s].
 
         Returns:
-            Runs of such steps.
+            Runs from `Undriven` along a `Lead` and the led velocity of the lower carriage
+            [m/s] to `Undriven`, with the undriven coordinates [m, rad, m] and `led_force` [N]
+            as each step begins.
         """
         return native.Runs(_advance, (self._robot, np.array([duration])))
-
-    def follow(
-        self,
-        steps: native.Runs,
-        start: Undriven,
-        lead: Lead,
-        velocity: Float[np.ndarray, "1 steps 2"],
-    ) -> Inverted:
-        """The robot led along a leg.
-
-        Args:
-            steps: See `steps`.
-            start: Where it begins.
-            lead: Where it is led, a row for each step.
-            velocity: Of lower carriage and height as the steps begin [m/s].
-
-        Returns:
-            What it does.
-        """
-        end, (positions, force) = steps(start, (lead, velocity))
-        return Inverted(Followed(end, _none(1), positions[..., 0]), positions, force)
-
-    def follow_linearised(
-        self,
-        steps: native.Runs,
-        start: Undriven,
-        lead: Lead,
-        velocity: Float[np.ndarray, "1 steps 2"],
-        *,
-        along: Float[np.ndarray, "splines steps 3"],
-        begun: Int[np.ndarray, " steps"],
-    ) -> tuple[Inverted, Inverted]:
-        """The same with derivatives by the coefficients of splines.
-
-        Args:
-            steps: See `steps`.
-            start: Where it begins.
-            lead: Where it is led.
-            velocity: Of lower carriage and height as the steps begin [m/s].
-            along: What each spline does to the lead's lower carriage [1].
-            begun: How many of the splines have begun by the end of each step.
-
-        Returns:
-            What it does, and the derivatives.
-        """
-        still = np.zeros((1, 1, 3))
-        seeds = Slopes(Undriven(still, still), (Lead(along[None], None), None))
-        (end, (positions, force)), slopes = steps.linearised(
-            start, (lead, velocity), along=seeds, begun=begun
-        )
-        none = np.zeros((1, len(along)))
-        moved, pulled = slopes.rows
-        return (
-            Inverted(Followed(end, _none(1), positions[..., 0]), positions, force),
-            Inverted(
-                Followed(slopes.carried, Deviation(none, none), moved[:, :, 0]), moved, pulled
-            ),
-        )
 
     def commands(
         self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
@@ -132,7 +52,7 @@ class Leader:
         Returns:
             The commands [V].
         """
-        return self._command((), (positions, motion))[1][0]
+        return self.commanding((), (positions, motion))[1][0]
 
     def stretches(
         self, positions: Float[np.ndarray, "1 n 3"], motion: Moment
@@ -148,28 +68,6 @@ class Leader:
         """
         return self._stretch((), (positions, motion))[1][0]
 
-    def commands_linearised(
-        self,
-        positions: Float[np.ndarray, "1 n 3"],
-        motion: Moment,
-        *,
-        along: tuple[Float[np.ndarray, "1 splines n 3"], Moment],
-    ) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n 2 splines"]]:
-        """The same with derivatives.
-
-        Args:
-            positions: The undriven coordinates [m, rad, m].
-            motion: Of lower carriage and height, behind an axis of robots.
-            along: Tangents of both.
-
-        Returns:
-            The commands [V] and their derivatives [V/m].
-        """
-        (_, volts), slopes = self._command.linearised(
-            (), (positions, motion), along=Slopes((), along)
-        )
-        return volts[0], slopes.rows[0]
-
 
 class Followers:
     """Robots as they might be under the feed-forward of another one."""
@@ -183,69 +81,25 @@ class Followers:
         """
         self._robots, self._servo = robots, servo
 
-    def steps(self, duration: float) -> native.Runs:
-        """Steps of a length, for `follow`.
+    def steps(self, duration: float, shifts: Float[np.ndarray, " robots"]) -> native.Runs:
+        """Steps along a leg.
 
         Args:
-            duration: The length [s].
+            duration: Their length [s].
+            shifts: How far each robot's lower carriage is from where it is led [m].
 
         Returns:
-            Runs of such steps.
+            Runs from `Undriven` and `Deviation` along `Led` to both, with the end-effectors'
+            places $x_e$ as each step begins [m].
         """
         own = Servo(*(part[None] for part in self._servo))
         over = transitions(self._servo, duration)
-        return native.Runs(deviating_step, (self._robots, np.array([duration]), own, over))
-
-    def follow(self, steps: native.Runs, start: Undriven, led: Led) -> Followed:
-        """Robots led along a leg.
-
-        Args:
-            steps: See `steps`.
-            start: Where each begins.
-            led: Where each is led, a row for each step.
-
-        Returns:
-            What they do.
-        """
-        (end, aside), place = steps((start, _none(1)), led)
-        return Followed(end, aside, place)
-
-    def follow_linearised(
-        self,
-        steps: native.Runs,
-        start: Undriven,
-        led: Led,
-        *,
-        along: tuple[Float[np.ndarray, "splines steps 3"], Float[np.ndarray, "1 splines n"]],
-        begun: Int[np.ndarray, " steps"],
-    ) -> tuple[Followed, Followed]:
-        """The same with derivatives by the coefficients of splines.
-
-        Args:
-            steps: See `steps`.
-            start: Where each begins.
-            led: Where each is led.
-            along: What each spline does to the lead's lower carriage [1] and to the fitted
-                robot's force [N/m].
-            begun: How many of the splines have begun by the end of each step.
-
-        Returns:
-            What they do, and the derivatives.
-        """
-        still, calm = np.zeros((1, 1, 3)), np.zeros((1, 1))
-        way, forces = along
-        seeds = Slopes(
-            (Undriven(still, still), Deviation(calm, calm)),
-            Led(Lead(way[None], None), None, forces),
-        )
-        ((end, aside), place), slopes = steps.linearised(
-            (start, _none(1)), led, along=seeds, begun=begun
-        )
-        return Followed(end, aside, place), Followed(*slopes.carried, slopes.rows)
+        stiff = (self._robots, np.array([duration]), own, over)
+        return native.Runs(_shifted_step, (shifts, stiff))
 
 
 class Arriving:
-    """Robots as their leg ends."""
+    """Robots as their leg ends: runs of one step, which carries nothing."""
 
     def __init__(self, robots: Robot):
         """Nothing runs yet.
@@ -253,65 +107,13 @@ class Arriving:
         Args:
             robots: The robots, stacked.
         """
-        self._arrive = native.Runs(_arriving, robots)
-        self._vibrate = native.Runs(_vibrating, robots)
-
-    def __call__(self, run: Followed, goals: Goal) -> Arrival:
-        """What robots do as their leg ends.
-
-        Args:
-            run: How they followed.
-            goals: Where they are to be.
-
-        Returns:
-            What each does.
-        """
-        _, made = self._arrive((), _single_rows(run, goals))
-        return Arrival(*(own[:, 0] for own in made))
-
-    def linearised(
-        self, run: Followed, goals: Goal, *, along: Followed
-    ) -> tuple[Arrival, Arrival]:
-        """The same with derivatives.
-
-        Args:
-            run: How they followed.
-            goals: Where they are to be.
-            along: Its derivatives.
-
-        Returns:
-            What each does, and its derivatives.
-        """
-        seeds = Undriven(*(np.moveaxis(own, -1, 1)[:, :, None] for own in along.end))
-        lower = along.aside.position[:, :, None]
-        (_, made), slopes = self._arrive.linearised(
-            (),
-            _single_rows(run, goals),
-            along=Slopes((), (seeds, Goal(lower, None, None))),
-        )
-        values, derivatives = (
-            Arrival(*(own[:, 0] for own in each)) for each in (made, slopes.rows)
-        )
-        return values, derivatives
-
-    def vibrations(self, run: Followed, goals: Goal) -> Float[np.ndarray, " robots"]:
-        """Largest peak to peak of the end-effectors once both carriages hold.
-
-        Args:
-            run: How they followed.
-            goals: Where they are to be.
-
-        Returns:
-            Peak to peak [m].
-        """
-        return self._vibrate((), _single_rows(run, goals))[1][:, 0]
+        self.arrivals = native.Runs(_arriving, robots)
+        """`Arrival` in a row from `Undriven`, the lower carriage's deviation [m] and `Goal`."""
+        self.vibrations = native.Runs(_vibrating, robots)
+        """Largest peak to peak of the end-effectors once both carriages hold [m], likewise."""
 
 
-def _none(robots: int) -> Deviation:
-    return Deviation(np.zeros(robots), np.zeros(robots))
-
-
-_Row = tuple[Lead, Float[Array, "2"]]
+_Row = tuple[Lead, Float[Array, ""]]
 
 
 def _advance(
@@ -319,8 +121,17 @@ def _advance(
 ) -> tuple[Undriven, tuple[Float[Array, "3"], Float[Array, ""]]]:
     (robot, duration), (lead, velocity) = parameters, row
     position = whole_position(state.position, lead.lower[0], lead.height[0])
-    force, _ = led_force(robot, position, velocity[0])
+    force, _ = led_force(robot, position, velocity)
     return step(robot, state, lead, duration), (state.position, force)
+
+
+def _shifted_step(
+    parameters: tuple[Array, tuple], carry: tuple[Undriven, Deviation], led: Led
+) -> tuple[tuple[Undriven, Deviation], Float[Array, ""]]:
+    (shift, stiff), lead = parameters, led.lead
+    return deviating_step(
+        stiff, carry, led._replace(lead=Lead(lead.lower + shift, lead.height))
+    )
 
 
 def _command(
@@ -340,18 +151,19 @@ def _stretched(
     return (), stretch(robot, whole_position(position, lower, height), motion)
 
 
-def _arriving(robot: Robot, _: tuple, row: tuple[Undriven, Goal]) -> tuple[tuple, Arrival]:
-    return (), arrival(robot, *row)
+_End = tuple[Undriven, Float[Array, ""], Goal]
 
 
-def _vibrating(robot: Robot, _: tuple, row: tuple[Undriven, Goal]) -> tuple[tuple, Array]:
-    return (), vibration(robot, *row)
+def _arriving(robot: Robot, _: tuple, row: _End) -> tuple[tuple, Float[Array, "6"]]:
+    made = arrival(robot, *_at_rest(row))
+    return (), jnp.append(made.vibration, jnp.stack([made.sliding, made.rest]))
 
 
-def _single_rows(run: Followed, goals: Goal) -> tuple[Undriven, Goal]:
-    """States with where the carriages are in the end, each as a run of one step."""
-    there = goals._replace(lower=goals.lower + run.aside.position)
-    return (
-        Undriven(*(own[:, None] for own in run.end)),
-        Goal(*(np.asarray(own)[:, None] for own in there)),
-    )
+def _vibrating(robot: Robot, _: tuple, row: _End) -> tuple[tuple, Array]:
+    return (), vibration(robot, *_at_rest(row))
+
+
+def _at_rest(row: _End) -> tuple[Undriven, Goal]:
+    """A state, and where the carriages hold: the lower one where it deviates to."""
+    state, aside, goal = row
+    return state, goal._replace(lower=goal.lower + aside)

@@ -44,6 +44,11 @@ class Grid:
         """The plain profile of lower carriage and height in the steps [m]."""
         return thirds(self._halves.plain[0])
 
+    @property
+    def height(self) -> Float[np.ndarray, "steps 3"]:
+        """The height in the steps, which no spline moves [m]."""
+        return np.ascontiguousarray(self._plain[..., 1])
+
     @functools.cached_property
     def _splines(self) -> Float[np.ndarray, "steps 3 splines"]:
         """The splines in the steps [1]."""
@@ -99,39 +104,54 @@ class Grid:
         first = np.argmax(np.any(self._splines != 0, axis=1), axis=0)
         return np.searchsorted(first, np.arange(self.steps), side="right")
 
-    def lead(self, point: Float[np.ndarray, " splines"]) -> Lead:
-        """Where the fitted robot is led.
+    @functools.cached_property
+    def led(self) -> tuple[Float[np.ndarray, " all"], Float[np.ndarray, "all splines"]]:
+        """What a `Way` shows of the lower carriage: the plain profile's, and the splines'."""
+        begins, looked = self._begins, self.looked_at
+        plain = (self._plain[..., 0], begins.plain[1, :, 0], looked.plain[..., 0])
+        splines = (self._splines, begins.splines[1], looked.splines)
+        return (
+            np.concatenate([own.ravel() for own in plain]),
+            np.concatenate([own.reshape(-1, self.leg.splines) for own in splines]),
+        )
+
+
+class Way:
+    """Where motions lead the robots: one after the other, in the same arrays."""
+
+    def __init__(self, grid: Grid):
+        """The plain profile's.
+
+        Args:
+            grid: The leg on its steps.
+        """
+        self._plain, self._splines = grid.led
+        self._all = self._plain.copy()
+        steps, instants = grid.steps, grid.commanded.size
+        thirds_, velocity, looked = np.split(self._all, [3 * steps, 4 * steps])
+        self.lead = Lead(thirds_.reshape(1, steps, 3), grid.height[None])
+        """Where the fitted robot is led in each step."""
+        self.velocity = velocity[None]
+        """Velocities of the lower carriage as the steps begin [m/s]."""
+        self._looked = looked.reshape(3, instants)
+        self._moments = grid.looked_at.plain.copy()
+        self.commanded = Moment(*(own[None] for own in self._moments))
+        """Motion of lower carriage and height at `Grid.commanded`."""
+
+    @property
+    def lower(self) -> Float[np.ndarray, " instants"]:
+        """Where the lower carriage is at `Grid.commanded` [m]."""
+        return self._looked[0]
+
+    def __call__(self, point: Float[np.ndarray, " splines"]) -> None:
+        """Lead along another motion.
 
         Args:
             point: Coefficients of the splines [m].
-
-        Returns:
-            A row for each step, behind an axis of robots.
         """
-        lower, height = np.moveaxis(self._plain, -1, 0)
-        return Lead((lower + self._splines @ point)[None], height[None])
-
-    def velocity(self, point: Float[np.ndarray, " splines"]) -> Float[np.ndarray, "1 steps 2"]:
-        """Velocities of lower carriage and height as the steps begin.
-
-        Args:
-            point: Coefficients of the splines [m].
-
-        Returns:
-            The velocities, behind an axis of robots [m/s].
-        """
-        return self._begins.velocity(point)[None]
-
-    def commanded_motion(self, point: Float[np.ndarray, " splines"]) -> Moment:
-        """The same at `commanded`.
-
-        Args:
-            point: Coefficients of the splines [m].
-
-        Returns:
-            Positions, velocities and accelerations [m; m/s; m/s²].
-        """
-        return Moment(*(own[None] for own in self.looked_at.motion(point)))
+        np.matmul(self._splines, point, out=self._all)
+        self._all += self._plain
+        self._moments[..., 0] = self._looked
 
 
 def _aside(splines: Float[np.ndarray, "3 n splines"]) -> Moment:

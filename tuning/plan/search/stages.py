@@ -21,11 +21,12 @@ from scdpr_jax.command.controller import PD
 from scdpr_jax.legs.ensemble import Variation
 from scdpr_jax.numerics.levenberg_marquardt import Damping, Minimum, Stopping, minimise
 from scdpr_jax.robot.parameters import Robot
-from tuning.plan.led.following import Arriving, Followers, Leader
-from tuning.plan.led.servo import Servo, servo
+from tuning.plan.led.servo import servo
 from tuning.plan.leg import Leg
+from tuning.plan.search.grid import Grid
 from tuning.plan.search.misfit import Misfit, Motion
-from tuning.plan.search.scenarios import FARTHEST, FITTED, VARIATIONS, Scenarios, scenarios
+from tuning.plan.search.scenarios import FARTHEST, FITTED, VARIATIONS, scenarios
+from tuning.plan.search.team import Team, team
 
 COARSE, FINE = 10e-3, 5e-3
 """Lengths of the steps, at the most, on which a guess and a result are found [s]."""
@@ -56,47 +57,6 @@ ALL = Stage(40, 1e-2)
 """For all robots, from the best of these."""
 LAST = Stage(3, 1e-3)
 """The same on the fine grid."""
-
-
-class Team(NamedTuple):
-    """Robots that are planned for, ready to be led."""
-
-    robots: Scenarios
-    """The robots, the one whose dynamics are inverted first."""
-    leader: Leader
-    followers: Followers | None
-    arriving: Arriving
-
-    def misfit(self, leg: Leg, duration: float) -> Misfit:
-        """The misfit of motions.
-
-        Args:
-            leg: The leg.
-            duration: Length of the steps at the most, as in `steps_of`.
-
-        Returns:
-            The misfit.
-        """
-        return Misfit(leg, *self, steps_of(leg, duration))
-
-
-def team(leader: Scenarios, others: Scenarios | None, servo: Servo) -> Team:
-    """Robots that are planned for.
-
-    Args:
-        leader: The one whose dynamics are inverted.
-        others: Those under its feed-forward; None for none.
-        servo: The PD that is left with what they do otherwise.
-
-    Returns:
-        The team. Where its leader is to rest counts in full: for itself it is the fitted one.
-    """
-    first = leader._replace(resting=leader.weight)
-    if others is None:
-        return Team(first, Leader(leader.robot), None, Arriving(leader.robot))
-    every = jax.tree.map(lambda *parts: np.concatenate(parts), first, others)
-    followers = Followers(others.robot, servo)
-    return Team(every, Leader(leader.robot), followers, Arriving(every.robot))
 
 
 class Models(NamedTuple):
@@ -135,24 +95,25 @@ def models(robot: Robot, controller: PD, *, told: bool) -> Models:
     )
 
 
-def search(leg: Leg, about: Models) -> Float[np.ndarray, " splines"]:
+def search(about: Models, coarse: Grid, fine: Misfit) -> Float[np.ndarray, " splines"]:
     """The motion of a leg.
 
     Args:
-        leg: The leg.
         about: The robots that it is for.
+        coarse: The leg on the steps that guesses are found on.
+        fine: All robots on the steps that the result is found on.
 
     Returns:
         Coefficients of its splines [m].
     """
-    plain = np.zeros(leg.splines)
-    alone = (guess.misfit(leg, COARSE) for guess in about.guesses)
+    plain = np.zeros(coarse.leg.splines)
+    alone = (Misfit(guess, coarse) for guess in about.guesses)
     guesses = [plain, *(descend(own, plain, GUESS).point for own in alone)]
-    farthest = about.farthest.misfit(leg, COARSE)
+    farthest = Misfit(about.farthest, coarse)
     ends = (descend(farthest, guess, EXTREME) for guess in guesses)
     best = min(ends, key=lambda own: own.normal.cost)
-    found = descend(about.every.misfit(leg, COARSE), best.point, ALL)
-    return descend(about.every.misfit(leg, FINE), found.point, LAST).point
+    found = descend(Misfit(about.every, coarse), best.point, ALL)
+    return descend(fine, found.point, LAST).point
 
 
 def descend(
@@ -174,15 +135,15 @@ def descend(
     return minimise(misfit, start, stopping=stopping, damping=DAMPING)
 
 
-def steps_of(leg: Leg, duration: float) -> int:
-    """Steps of a leg.
+def stepped(leg: Leg, duration: float) -> Grid:
+    """A leg in steps.
 
     Args:
         leg: The leg.
         duration: Length of the steps on the coarse grid at the most, of half of it on the fine.
 
     Returns:
-        Their number.
+        The leg on them.
     """
     coarse = int(np.ceil(leg.time / COARSE))
-    return coarse * round(COARSE / duration)
+    return Grid(leg, coarse * round(COARSE / duration))
