@@ -10,11 +10,9 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from scdpr_jax.native.printers.llvm_ir import llvm_ir, loop
+from scdpr_jax.native.printers.llvm_ir import ABREAST, MOST_TANGENTS, llvm_ir, loop
 from scdpr_jax.native.scalar.program import Program
 
-MOST_TANGENTS = 40
-"""Tangents that a group's memory has room for."""
 MOST_NUMBERS = 1600
 """Numbers of a robot in all arrays of a step, without tangents: they lie on the stack."""
 
@@ -98,7 +96,7 @@ class Kernel:
         """Copies what a group's robots have of an array that is the same in all steps."""
         yield f"""\
 define void @{self.name}_copy(ptr %to, ptr %data, i64 %robot, i64 %tangent, i64 %size,
-  i64 %begin, i64 %tangents, i64 %first, i64 %last) {{"""
+  i64 %begin, i64 %tangents, i64 %apart, i64 %next, i64 %first, i64 %last) {{"""
         number = f"""\
 %wanted = add i64 %first, %l
 %own = call i64 @llvm.smin.i64(i64 %wanted, i64 %last)
@@ -109,8 +107,9 @@ define void @{self.name}_copy(ptr %to, ptr %data, i64 %robot, i64 %tangent, i64 
 %d = add i64 %c, %n
 %from = getelementptr double, ptr %data, i64 %d
 %x = load double, ptr %from, align 8
-%e = mul i64 %t, %size
-%f = add i64 %e, %n
+%e = mul i64 %t, %apart
+%i = mul i64 %n, %next
+%f = add i64 %e, %i
 %g = mul i64 %f, {self.lanes}
 %h = add i64 %g, %l
 %there = getelementptr double, ptr %to, i64 %h
@@ -119,6 +118,14 @@ store double %x, ptr %there, align 8"""
         yield from loop("t", "%tangents", lanes)
         yield "ret void\n}"
 
+    def _apart(self, own: Array) -> tuple[int, int]:
+        """How far an array's tangents and numbers are apart in the group's memory."""
+        return (1, MOST_TANGENTS) if self._abreast(own) else (own.size, 1)
+
+    def _abreast(self, own: Array) -> bool:
+        """Whether the tangents of a number lie side by side, some of them for none."""
+        return own.each and self.lanes == 1
+
     def _group(self) -> Iterator[str]:
         """All steps of as many robots as there are lanes."""
         yield f"define void @{self.name}_group(ptr %task, i64 %group) {{"
@@ -126,6 +133,9 @@ store double %x, ptr %there, align 8"""
             if own.local == own.name:
                 count = own.size * self.lanes * (MOST_TANGENTS if own.each else 1)
                 yield f"%{own.local} = alloca [{count} x double], align 64"
+                if self._abreast(own):
+                    ends = f"ptr %{own.local}, i8 0, i64 {8 * count}, i1 false"
+                    yield f"call void @llvm.memset.p0.i64({ends})"
         for place, word in enumerate(TASK):
             yield from load(f"%{word}", "i64", "%task", 8 * place)
         for own, (word, kind), place in self.places():
@@ -150,7 +160,8 @@ store double %x, ptr %there, align 8"""
             if not own.rows and not own.result:
                 words = ", ".join(f"{kind} %{own.name}.{word}" for word, kind in WORDS)
                 many = "i64 %begin, i64 %some" if own.each else "i64 0, i64 1"
-                ends = f"i64 {own.size}, {many}, i64 %first, i64 %last"
+                apart = ", ".join(f"i64 {own}" for own in self._apart(own))
+                ends = f"i64 {own.size}, {many}, {apart}, i64 %first, i64 %last"
                 yield f"call void @{self.name}_copy(ptr %{own.local}, {words}, {ends})"
         named = (*program.arguments, *program.results)
         pointers = ", ".join(f"ptr %{self.carried.get(name, name)}" for name in named)
@@ -176,8 +187,14 @@ store double %x, ptr %there, align 8"""
 %begun.place = select i1 %listed, ptr %in.list, ptr %in.task
 %begun.now = load i64, ptr %begun.place, align 8
 %now.rest = sub i64 %begun.now, %begin
-%now.any = call i64 @llvm.smax.i64(i64 %now.rest, i64 0)
-%now = call i64 @llvm.smin.i64(i64 %now.any, i64 %some)"""
+%now.any = call i64 @llvm.smax.i64(i64 %now.rest, i64 0)"""
+        # Those that are computed beside them have begun, too: what they are told isn't stale.
+        beside = ABREAST if self.lanes == 1 else 1
+        yield f"""\
+%now.wide = add i64 %now.any, {beside - 1}
+%now.registers = sdiv i64 %now.wide, {beside}
+%now.full = mul i64 %now.registers, {beside}
+%now = call i64 @llvm.smin.i64(i64 %now.full, i64 %some)"""
 
     def _moved(self, own: Array, row: str, *, many: str) -> Iterator[str]:
         """A row of each lane's robot: an operand's into the group's memory, a result's out."""
@@ -186,14 +203,14 @@ store double %x, ptr %there, align 8"""
 
     def _moved_tangent(self, own: Array, row: str, tag: str) -> Iterator[str]:
         apart = "%tangents" if own.each and own.result else "1"
-        size = own.size * self.lanes
+        tangent, number = self._apart(own)
         yield f"""\
 %{tag}.begin = add i64 {"%begin" if own.each else "0"}, %{tag}.p
 %{tag}.row = mul i64 {row}, {own.size}
 %{tag}.far = mul i64 %{tag}.row, {apart}
 %{tag}.tangent = mul i64 %{tag}.begin, %{own.name}.tangent
 %{tag}.both = add i64 %{tag}.far, %{tag}.tangent
-%{tag}.here = getelementptr [{size} x double], ptr %{own.local}, i64 %{tag}.p"""
+%{tag}.here = getelementptr [{tangent * self.lanes} x double], ptr %{own.local}, i64 %{tag}.p"""
         for lane in range(self.lanes):
             yield f"""\
 %{tag}.robot{lane} = mul i64 %robot{lane}, %{own.name}.robot
@@ -202,14 +219,17 @@ store double %x, ptr %there, align 8"""
         for cell in range(own.size):
             yield f"%{tag}.cell{cell} = mul i64 {cell}, {apart}"
             for lane in range(self.lanes):
-                yield from self._moved_number(own, tag, cell, lane)
+                place = cell * number * self.lanes + lane
+                yield from self._moved_number(own, tag, cell, lane, place)
 
-    def _moved_number(self, own: Array, tag: str, cell: int, lane: int) -> Iterator[str]:
+    def _moved_number(
+        self, own: Array, tag: str, cell: int, lane: int, place: int
+    ) -> Iterator[str]:
         n = f"{tag}.{cell}.{lane}"
         source, end = ("here", "there") if own.result else ("there", "here")
         yield f"""\
 %{n}.there = getelementptr double, ptr %{tag}.base{lane}, i64 %{tag}.cell{cell}
-%{n}.here = getelementptr double, ptr %{tag}.here, i64 {cell * self.lanes + lane}
+%{n}.here = getelementptr double, ptr %{tag}.here, i64 {place}
 %{n}.x = load double, ptr %{n}.{source}, align 8
 store double %{n}.x, ptr %{n}.{end}, align 8"""
 

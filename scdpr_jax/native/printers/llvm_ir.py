@@ -1,13 +1,16 @@
-"""A program printed as LLVM IR, with a robot in each lane.
+"""A program printed as LLVM IR, with a robot in each lane, or a tangent of a robot alone.
 
 Every number is a vector of lanes, those in arrays too. A step has few branches and loops and
 thousands of operations, so each operation is a line. Cells are plain memory; they stay in
 registers or in the first cache.
+
+Robots side by side take one tangent after the other. A robot alone would leave its registers
+empty, and has most of its work in its tangents: there those lie side by side.
 """
 
 import itertools
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from scdpr_jax.native.scalar.program import (
     Block,
@@ -25,7 +28,11 @@ from scdpr_jax.native.scalar.program import (
 from scdpr_jax.native.scalar.scope import first_free
 
 TOGETHER = 2
-"""Tangents that a loop takes at a time."""
+"""Tangents that a loop takes at a time where robots lie side by side."""
+ABREAST = 8
+"""Tangents of a robot alone that lie side by side."""
+MOST_TANGENTS = 40
+"""Tangents that a group's memory has room for, a multiple of `ABREAST`."""
 
 _INTRINSICS = {
     **{
@@ -76,7 +83,9 @@ def llvm_ir(program: Program, name: str, *, lanes: int) -> str:
     """A program as a function of LLVM IR.
 
     It gets a pointer for each argument and each result, in their order, and how many tangents
-    there are; a result may be written where an argument was.
+    there are; a result may be written where an argument was. A robot alone has all tangents of
+    a number together, `MOST_TANGENTS` apart from those of the next one, and as many are
+    computed as fill the last register.
 
     Args:
         program: The program.
@@ -120,16 +129,8 @@ class _Printer:
     """Prints the blocks of one program."""
 
     def __init__(self, program: Program, lanes: int):
-        self.program = program
-        self.types = {False: f"<{lanes} x double>", True: f"<{lanes} x i1>"}
-        self.words = {
-            "real": self.types[False],
-            "boolean": self.types[True],
-            "reals": f"v{lanes}f64",
-            "booleans": f"v{lanes}i1",
-            "integer": f"<{lanes} x i64>",
-            "firsts": f"<{lanes} x i32> zeroinitializer",
-        }
+        self.program, self.alone = program, lanes == 1
+        self.types, self.words = _types(lanes), _words(lanes)
         self.numbers = itertools.count()
         self.free = itertools.count(first_free(program.body))
 
@@ -138,8 +139,11 @@ class _Printer:
         arrays = [*self.program.arguments, *self.program.results]
         pointers = ", ".join(f"ptr %{array}" for array in arrays)
         yield f"define void @{name}({pointers}, i64 %tangents) {{"
+        yield f"%tangents.wide = add i64 %tangents, {ABREAST - 1}"
+        yield f"%registers = sdiv i64 %tangents.wide, {ABREAST}"
+        yield f"%tangents.room = mul i64 %registers, {ABREAST}"
         for cell in own_cells(self.program.body):
-            many = ", i64 %tangents" * cell.each
+            many = ", i64 %tangents.room" * cell.each
             yield f"%c{cell.number} = alloca {self.types[cell.boolean]}{many}, align 64"
         yield from self._block(self.program.body, "0")
         yield "ret void\n}"
@@ -163,6 +167,8 @@ class _Printer:
                     count = self._operation(counter, "counter", f"%k{n}")
                     inside = itertools.chain([count], self._block(body, tangent))
                     yield from loop(f"k{n}", str(times), inside)
+                case Each(body) if self.alone:
+                    yield from loop(f"q{n}", "%registers", self._abreast(body, f"%q{n}"))
                 case Each(body):
                     yield from self._each(body, n)
 
@@ -193,6 +199,41 @@ class _Printer:
                 target, *sources = (names.get(end, end) for end in ends)
                 yield from self._statement(target, operation.name, (*sources,), f"{group}.{i}")
 
+    def _abreast(self, body: Block, register: str) -> Iterator[str]:
+        """A loop's operations for a register of tangents of a robot alone."""
+        yield f"{register}.first = mul i64 {register}, {ABREAST}"
+        own = {operation.target for operation in body}
+        names: dict[Value | Cell, str] = {}
+        for value in dict.fromkeys(value for operation in body for value in operation.sources):
+            if isinstance(value, Variable) and value not in own:
+                names[value] = f"{register}.{value.number}"
+                yield _spread(names[value], _operand(value), self.types[value.boolean])
+        for operation in body:
+            yield from self._wide_statement(operation, names, f"{register}.first")
+
+    def _wide_statement(
+        self, operation: Operation, names: Mapping[Value | Cell, str], first: str
+    ) -> Iterator[str]:
+        """An operation for tangents side by side, of which the first one's place is told."""
+        n, real = next(self.numbers), _types(ABREAST)[False]
+        target, (source, *_) = operation.target, operation.sources
+        match operation.name:
+            case "write":
+                written = names.get(source) or _operand(source)
+                yield f"%at{n} = {self._place(target, first)}"
+                yield f"store {real} {written}, ptr %at{n}, align 8"
+            case "read" if source.each:
+                yield f"%at{n} = {self._place(source, first)}"
+                yield f"{_operand(target)} = load {real}, ptr %at{n}, align 8"
+            case "read":
+                kind = self.types[target.boolean]
+                yield f"%at{n} = {self._place(source, '0')}"
+                yield f"%one{n} = load {kind}, ptr %at{n}, align 8"
+                yield _spread(_operand(target), f"%one{n}", kind)
+            case name:
+                given = (names.get(own) or _operand(own) for own in operation.sources)
+                yield _LINES[name].format(*given, target=_operand(target), **_words(ABREAST))
+
     def _statement(
         self, target: Variable | Cell, name: str, sources: tuple, tangent: str
     ) -> Iterator[str]:
@@ -217,10 +258,37 @@ class _Printer:
         kind, row = self.types[cell.boolean], tangent if cell.each else "0"
         if not cell.array:
             return f"getelementptr {kind}, ptr %c{cell.number}, i64 {row}"
+        if cell.each and self.alone:
+            kind = f"[{MOST_TANGENTS} x double]"
+            return f"getelementptr {kind}, ptr %{cell.array}, i64 {cell.number}, i64 {row}"
         size = self.program.size(cell.array)
         return (
             f"getelementptr [{size} x {kind}], ptr %{cell.array}, i64 {row}, i64 {cell.number}"
         )
+
+
+def _types(lanes: int) -> Mapping[bool, str]:
+    """Types of numbers, of real and of boolean ones."""
+    return {False: f"<{lanes} x double>", True: f"<{lanes} x i1>"}
+
+
+def _words(lanes: int) -> Mapping[str, str]:
+    """What stands in `_LINES` for each number of lanes."""
+    real, boolean = (_types(lanes)[own] for own in (False, True))
+    return {
+        "real": real,
+        "boolean": boolean,
+        "reals": f"v{lanes}f64",
+        "booleans": f"v{lanes}i1",
+        "integer": f"<{lanes} x i64>",
+        "firsts": f"<{lanes} x i32> zeroinitializer",
+    }
+
+
+def _spread(target: str, one: str, kind: str) -> str:
+    """A robot's number for all its tangents."""
+    shuffled = f"shufflevector {kind} {one}, {kind} poison"
+    return f"{target} = {shuffled}, <{ABREAST} x i32> zeroinitializer"
 
 
 def _operand(value: Value) -> str:
