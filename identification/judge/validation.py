@@ -132,6 +132,12 @@ def ljung_box(residual: Float[np.ndarray, " n"]) -> float:
     return float(special.chdtrc(LAGS, statistic))
 
 
+def _correlation(first: Float[np.ndarray, " n"], second: Float[np.ndarray, " n"]) -> float:
+    """Correlation of two series, `numpy.corrcoef` without the matrix that it is taken from."""
+    first, second = first - np.mean(first), second - np.mean(second)
+    return float(first @ second / np.sqrt((first @ first) * (second @ second)))
+
+
 def independence(residual: Float[np.ndarray, " n"], moved: Float[np.ndarray, " n"]) -> float:
     """Probability of such a correlation with an input if the residuals knew nothing of it.
 
@@ -148,7 +154,7 @@ def independence(residual: Float[np.ndarray, " n"], moved: Float[np.ndarray, " n
     for lag in range(LAGS + 1):
         late, early = residual[lag:], moved[: moved.size - lag]
         if np.ptp(early) > 0 and np.ptp(late) > 0:
-            largest = max(largest, abs(float(np.corrcoef(late, early)[0, 1])))
+            largest = max(largest, abs(_correlation(late, early)))
     # An input that is held is no more samples than it has steps, if these are fewer.
     count = residual.size - LAGS
     statistic = np.arctanh(min(largest, 1 - 1e-12)) * np.sqrt(max(count - 3, 1))

@@ -168,7 +168,8 @@ def choose(
     rows = [
         (part, shaper) for part, own in zip(legs, tried.shapers, strict=True) for shaper in own
     ]
-    after = runs(joined([part for part, _ in rows]), told(controller, rows))
+    parts, shapers = zip(*rows, strict=True)
+    after = runs(joined(parts), told(controller, shapers, legs=[*map(len, parts)]))
     count = len(legs[0])
     shape = len(cells), len(tried.names), count
     each = jax.tree.map(lambda leaf: leaf.reshape(shape), after)
@@ -187,29 +188,27 @@ def choose(
     return _regional(cells, chosen, names, shares)
 
 
-def told(controller: PD, rows: Sequence[tuple[Legs, Shaper]]) -> Law:
-    """One law for the legs of each row.
+def told(controller: PD, shapers: Sequence[Shaper], *, legs: Sequence[int]) -> Law:
+    """A law for each leg.
 
     Args:
         controller: The gains of all.
-        rows: Legs with the shaper that they have, of `IMPULSES` impulses at the most.
+        shapers: Shapers of `IMPULSES` impulses at the most.
+        legs: How many legs each is for.
 
     Returns:
         The laws, one a leg.
     """
     coarse = jax.tree.map(np.asarray, at_period(controller))
-    total = sum(len(part) for part, _ in rows)
+    # Few shapers serve thousands of legs.
+    distinct = {id(shaper): padded(shaper, IMPULSES) for shaper in shapers}
+    every = [distinct[id(shaper)] for shaper in shapers]
     times, amplitudes = (
-        np.concatenate(
-            [
-                np.tile(np.asarray(getattr(padded(shaper, IMPULSES), name)), (len(part), 1))
-                for part, shaper in rows
-            ]
-        )
-        for name in ("times", "amplitudes")
+        np.repeat(np.stack([np.asarray(own) for own in numbers]), legs, axis=0)
+        for numbers in zip(*((own.times, own.amplitudes) for own in every), strict=True)
     )
     return Law(
-        jax.tree.map(lambda leaf: np.full(total, leaf), coarse), Shaper(times, amplitudes)
+        jax.tree.map(lambda leaf: np.full(len(times), leaf), coarse), Shaper(times, amplitudes)
     )
 
 

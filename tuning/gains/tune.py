@@ -289,16 +289,13 @@ def _best_kinds(
     main: _Setting, seen: _Seen, controller: PD, tried: Candidates
 ) -> tuple[str, ...]:
     """The kinds of shapers that do best by the robot that each serves worst, then none."""
-    rows = [
-        (seen.legs.rows(np.array([k])), tried.shapers[cell][number])
-        for number in range(len(tried.names))
-        for k, cell in enumerate(seen.cells)
+    shapers = [
+        tried.shapers[cell][number] for number in range(len(tried.names)) for cell in seen.cells
     ]
     crossed = len(tried.names), len(seen.cells)
     every = seen.legs.rows(np.tile(np.arange(crossed[1]), crossed[0]))
-    after = jax.tree.map(
-        lambda leaf: leaf.reshape(crossed), runs(every, told(controller, rows))
-    )
+    laws = told(controller, shapers, legs=[1] * len(shapers))
+    after = jax.tree.map(lambda leaf: leaf.reshape(crossed), runs(every, laws))
     count = len(main.robots)
     by_robot = [
         loss(
@@ -318,8 +315,7 @@ def _predicted(
     """The legs under the chosen gains and shapers."""
     by_region = {shaper.region: shaper.shaper for shaper in shapers}
     own: list[Shaper] = [by_region[main.cells[cell].region] for cell in seen.cells]
-    rows = [(seen.legs.rows(np.array([k])), shaper) for k, shaper in enumerate(own)]
-    after = runs(seen.legs, told(controller, rows))
+    after = runs(seen.legs, told(controller, own, legs=[1] * len(own)))
     before, now = (
         LegsOutcome(np.asarray(each.residual_vibration), np.asarray(each.resting_error))
         for each in (seen.before, after)

@@ -104,7 +104,7 @@ def test_idle_impulses_change_no_leg(into):
 def test_regions_may_have_shapers_of_other_numbers_of_impulses(into):
     legs, _ = into
     shapers = Shaper(np.zeros(1), np.ones(1)), Shaper(np.array([0.0, 0.14]), np.full(2, 0.5))
-    law = told(published_pd(), list(zip(legs, shapers, strict=False)))
+    law = told(published_pd(), shapers, legs=[*map(len, legs)])
     first = len(legs[0])
     assert law.shaper.amplitudes.shape == (first + len(legs[1]), IMPULSES)
     assert law.shaper.amplitudes[0].tolist() == [1.0] + [0.0] * (IMPULSES - 1)
