@@ -43,9 +43,8 @@ def planned_legs(
     plans = plan_legs(fitted, controller, wanted, progress=progress)
     for row, slope, planned in zip(rows, slopes, plans, strict=True):
         leg: Leg = dataclasses.replace(planned.leg, slope=0.0)
-        outcomes.append(
-            driven(row.ensemble.robot, controller, leg, planned.rigid, slope=np.array([slope]))
-        )
+        robot, plan = row.ensemble.robot, planned.simulated
+        outcomes.append(driven(robot, controller, leg, plan, slope=np.array([slope])))
     return LegsOutcome(
         np.array([own.vibration[0] for own in outcomes]),
         np.array([abs(own.resting[0]) for own in outcomes]),

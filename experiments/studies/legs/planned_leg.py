@@ -47,7 +47,7 @@ def compare(robot: Robot, controller: PD, planned: Planned) -> Compared:
     Returns:
         Both on every robot, in the time of the plan.
     """
-    leg, plan = planned.leg, planned.rigid
+    leg, plan = planned.leg, planned.simulated
     share = leg.slope / float(held_slope(robot)) if leg.slope else 0.0
     robots = dataclasses.replace(
         varied(robot, ROBOTS, np.asarray(leg.start)),

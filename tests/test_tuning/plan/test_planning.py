@@ -92,6 +92,17 @@ def test_a_leg_that_is_too_fast_for_the_drives_takes_longer():
     assert made.expected.vibration[0] < made.plain.vibration[0] / 30
 
 
+def test_half_of_what_cables_give_is_expected_to_be_unforetold(leg):
+    elastic = replace(FITTED, {"drive_compliance": 2e-5})
+    made = plan_leg(elastic, CONTROLLER, START, END)
+    np.testing.assert_allclose(
+        made.plan.angle - made.simulated.angle, made.simulated.angle - leg.plan.angle, atol=1e-9
+    )
+    assert np.max(np.abs(made.plan.angle - leg.plan.angle)) > 5e-3
+    assert made.expected.mean > 1.5 * leg.expected.mean
+    np.testing.assert_array_equal(leg.plan.angle, leg.simulated.angle)
+
+
 def test_a_start_that_is_told_is_begun_at():
     slope = 0.7 * NUMBERS["friction_coefficient"]
     made = plan_leg(FITTED, CONTROLLER, START, END, slope=slope)

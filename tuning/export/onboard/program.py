@@ -144,6 +144,7 @@ def _constants(robot: Robot) -> dict[str, str]:
         "first_damping": stages.DAMPING.first,
         "least": stages.DAMPING.least,
         "just_before": grid.JUST_BEFORE,
+        "unforetold": planning.UNFORETOLD,
     }
     whole = {
         "attempts": planning.ATTEMPTS,

@@ -30,7 +30,7 @@ static const double STILL = $still, ON_TARGET = $on_target, MOST_VOLTS = $within
 static const double PLAIN_VOLTS = $plain_volts, SHORTEST = $shortest, NEGLIGIBLE = $negligible;
 static const double AFTERWARDS = $afterwards, FALL = $fall, RISE = $rise, FLOOR = $floor;
 static const double FIRST_DAMPING = $first_damping, LEAST = $least;
-static const double JUST_BEFORE = $just_before;
+static const double JUST_BEFORE = $just_before, UNFORETOLD = $unforetold;
 enum { ATTEMPTS = $attempts, REJECTIONS = $rejections, INSTANTS = $instants };
 enum { TRACKED = $tracked, COMMANDED = $commanded };
 
@@ -538,7 +538,8 @@ static void tell_plainly(const scdpr_leg *leg, scdpr_leg_motion *made)
     memset(made->ahead, 0, sizeof made->ahead);
 }
 
-/* `gives`: 0 for cables that don't, as the closed loop has them in simulation. */
+/* `gives`: 1, or the share of the cables' give that leads the closed loop in simulation astray,
+ * where they don't give. */
 static void drive_at(const scdpr_leg_motion *motion, double t, double gives, double angle[2],
                      double feedforward[2])
 {
@@ -579,7 +580,7 @@ static double judged(const scdpr_leg *leg, const scdpr_leg_motion *motion, int s
             low = smallest(low, state[0]);
             high = largest(high, state[0]);
         }
-        drive_at(motion, k * SCDPR_LEG_PERIOD, 0, angle, feedforward);
+        drive_at(motion, k * SCDPR_LEG_PERIOD, UNFORETOLD, angle, feedforward);
         loop(robot, CONTROLLER, begin, state, memory, angle, feedforward, state, memory);
     }
     return high - low;
