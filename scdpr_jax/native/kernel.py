@@ -2,8 +2,9 @@
 
 The robots of a group lie side by side, one in each lane; where robots are missing the last one
 is taken again. A kernel's arrays are XLA's: a robot's numbers lie together, those of a step in
-a row, and behind each number of a result's derivative all its tangents. More tangents than the
-stack has room for go in parts, one after the other.
+a row, and behind each number of a result's derivative all its tangents. In the group's memory
+each tangent has its numbers together, but for a robot alone, whose tangents are its lanes. More
+tangents than the stack has room for go in parts, one after the other.
 """
 
 import itertools
@@ -160,7 +161,7 @@ store double %x, ptr %there, align 8"""
             if not own.rows and not own.result:
                 words = ", ".join(f"{kind} %{own.name}.{word}" for word, kind in WORDS)
                 many = "i64 %begin, i64 %some" if own.each else "i64 0, i64 1"
-                apart = ", ".join(f"i64 {own}" for own in self._apart(own))
+                apart = "i64 {}, i64 {}".format(*self._apart(own))
                 ends = f"i64 {own.size}, {many}, {apart}, i64 %first, i64 %last"
                 yield f"call void @{self.name}_copy(ptr %{own.local}, {words}, {ends})"
         named = (*program.arguments, *program.results)
