@@ -84,6 +84,7 @@ def _profile(
         evaluate,
         starts,
         lower=problem.unknowns.lower(),
+        longest=problem.unknowns.longest(),
         stopping=Stopping(evaluations=iterations, decrement=1e-2),
     )
     values = np.array([decode(parameter.name, number) for number in (*grid, point[index])])

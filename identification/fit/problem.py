@@ -317,6 +317,7 @@ class Problem:
             lambda point: self.evaluate([point], held_out=held_out, shared=not held_out)[0],
             start,
             lower=self.unknowns.lower(),
+            longest=self.unknowns.longest(),
             stopping=Stopping(evaluations=iterations, decrement=decrement),
             progress=progress,
         )
@@ -348,6 +349,7 @@ class Problem:
             lambda points: self.evaluate(points, rows=rows, shared=shared),
             starts,
             lower=self.unknowns.lower(),
+            longest=self.unknowns.longest(),
             stopping=Stopping(evaluations=iterations, decrement=decrement, share=share),
         )
 

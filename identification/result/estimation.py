@@ -111,7 +111,7 @@ def solve(
         progress("all runs at the logs' own rate", 0.6 + 0.1 * number)
         problem = corrected(problem, point)
         found = problem.minimise(point, iterations=20, decrement=1e-2)
-        minimum = settled(found, problem.unknowns.lower())
+        minimum = settled(found, problem.unknowns.lower(), problem.unknowns.longest())
         point, done = minimum.point, done + minimum.iterations
     if problem.held_out:
         progress("runs held out", 0.9)

@@ -14,6 +14,8 @@ unknowns' own, which are logarithms, metres and seconds at once. Steps without d
 (Gauss–Newton) would be simpler; they jump out of the valley that a start is in, as the
 vibration's phase wraps, and they blow up along what the data hardly tell. A bound stops an
 unknown that would cross it and leaves the others their step; clipping the whole step bends it.
+An unknown that hardly acts any more, as a velocity does of a surplus that has come to nothing,
+has a step of hundreds of its own units, and the next derivative overflows: that is clipped.
 Where a run only just stops, friction puts a kink into the merit: no step helps any more though
 the model promises one, and the search ends as `stalled`.
 
@@ -153,6 +155,7 @@ def minimise(
     *,
     stopping: Stopping,
     lower: Point | None = None,
+    longest: Point | None = None,
     damping: Damping = MARQUARDT,
     progress: Progress = SILENT,
 ) -> Minimum[AMerit]:
@@ -163,13 +166,14 @@ def minimise(
         start: Where to begin.
         stopping: When to end.
         lower: Lower bounds; None for none.
+        longest: Longest step of each unknown; None for any.
         damping: How the damping follows from the steps.
         progress: Told which share of what is allowed has been used.
 
     Returns:
         The best point, converged or not.
     """
-    search = _search(start, lower=lower, damping=damping, stopping=stopping)
+    search = _search(start, lower=lower, longest=longest, damping=damping, stopping=stopping)
     request, evaluations, steps, best = next(search), 0, -1, math.inf
     while not isinstance(request, Minimum):
         merit = evaluate(request)
@@ -187,6 +191,7 @@ def minimise_together(
     *,
     stopping: Stopping,
     lower: Point | None = None,
+    longest: Point | None = None,
     damping: Damping = MARQUARDT,
 ) -> list[Minimum[AMerit]]:
     """The minima that several starts lead to, their evaluations made at once.
@@ -196,13 +201,15 @@ def minimise_together(
         starts: Where to begin.
         stopping: When each of them is to end.
         lower: Lower bounds; None for none.
+        longest: Longest step of each unknown; None for any.
         damping: How the damping follows from the steps.
 
     Returns:
         Where each start ended.
     """
     searches = [
-        _search(start, lower=lower, damping=damping, stopping=stopping) for start in starts
+        _search(start, lower=lower, longest=longest, damping=damping, stopping=stopping)
+        for start in starts
     ]
     requests = [next(search) for search in searches]
     while rows := [k for k, r in enumerate(requests) if not isinstance(r, Minimum)]:
@@ -213,7 +220,12 @@ def minimise_together(
 
 
 def _search(
-    start: Point, *, lower: Point | None, damping: Damping, stopping: Stopping
+    start: Point,
+    *,
+    lower: Point | None,
+    longest: Point | None,
+    damping: Damping,
+    stopping: Stopping,
 ) -> Generator[Point | Minimum[AMerit], AMerit, None]:
     """The algorithm: yields the points that it wants evaluated, and its minimum at last."""
     lower = np.full(len(start), -np.inf) if lower is None else lower
@@ -222,9 +234,9 @@ def _search(
     history, evaluations, rejections, weight = [best.cost], 1, 0, damping.first
     ended = "unfinished" if np.isfinite(best.cost) else "infeasible"
     while ended == "unfinished" and not stopping.share_used(evaluations, len(history) - 1) >= 1:
-        step, promised = _step(best, point, lower, weight, damping.floor)
+        step, promised = _step(best, point, lower, longest, weight, damping.floor)
         if stopping.undamped:
-            _, promised = _step(best, point, lower, _REGULAR, damping.floor)
+            _, promised = _step(best, point, lower, longest, _REGULAR, damping.floor)
         if promised <= max(stopping.decrement, stopping.share * abs(best.cost)):
             # A long step that promises nothing is the end; a damped one stands at a kink.
             ended = "converged" if weight <= 1e-2 and promised > -math.inf else "stalled"
@@ -245,7 +257,9 @@ def _search(
     yield Minimum(point, best, evaluations, ended, tuple(history))
 
 
-def settled(minimum: Minimum[AMerit], lower: Point) -> Minimum[AMerit]:
+def settled(
+    minimum: Minimum[AMerit], lower: Point, longest: Point | None = None
+) -> Minimum[AMerit]:
     """A minimum after the step that promised too little to be evaluated.
 
     It costs nothing, and leaves of the distance what its square is: two searches of the same
@@ -254,6 +268,7 @@ def settled(minimum: Minimum[AMerit], lower: Point) -> Minimum[AMerit]:
     Args:
         minimum: Where a search ended.
         lower: Its lower bounds.
+        longest: Longest step of each unknown; None for any.
 
     Returns:
         The minimum with its point moved, its merit and model as they were; the same where the
@@ -261,7 +276,7 @@ def settled(minimum: Minimum[AMerit], lower: Point) -> Minimum[AMerit]:
     """
     if minimum.ended != "converged":
         return minimum
-    step, _ = _step(minimum.normal, minimum.point, lower, _REGULAR, 0.0)
+    step, _ = _step(minimum.normal, minimum.point, lower, longest, _REGULAR, 0.0)
     return dataclasses.replace(minimum, point=np.maximum(minimum.point + step, lower))
 
 
@@ -281,7 +296,12 @@ def free_unknowns(normal: Merit, point: Point, lower: Point) -> Bool[np.ndarray,
 
 
 def _step(
-    merit: Merit, point: Point, lower: Point, damping: float, floor: float
+    merit: Merit,
+    point: Point,
+    lower: Point,
+    longest: Point | None,
+    damping: float,
+    floor: float,
 ) -> tuple[Point, float]:
     """A damped step, and by how much it promises to lower the merit."""
     free = free_unknowns(merit, point, lower)
@@ -290,6 +310,8 @@ def _step(
     except np.linalg.LinAlgError:
         # Overflowed derivatives, and those of unknowns that act as one to the last digit.
         return np.zeros_like(point), -math.inf
+    if longest is not None:
+        step = np.clip(step, -longest, longest)
     return step, -float(2 * merit.gradient @ step + step @ merit.matrix @ step)
 
 

@@ -18,7 +18,7 @@ _UNSEEN = 0.3e-3
 """Vibration below which less is no better [m]."""
 _LEAST = 0.05
 """Least ratio that counts [1]: one perfect leg doesn't make up for a bad one."""
-_WORSE = 2.0
+_WORSE = 5.0
 """Weight of what is above the plain profile's vibration [1]."""
 _RESTING = 3.0
 """Weight of resting further from the target [1]."""
@@ -27,7 +27,7 @@ _RESTING = 3.0
 def loss(after: LegMeasures, before: LegMeasures) -> Float[np.ndarray, "..."]:
     r"""How far laws are from what is wanted of them.
 
-    $$ \overline{\log r} + 2\,\overline{\max(r - 1, 0)} + 3 \max(R - 1, 0) $$
+    $$ \overline{\log r} + 5\,\overline{\max(r - 1, 0)} + 3 \max(R - 1, 0) $$
 
     with $r$ the ratios of vibrations and $R$ that of the mean resting errors.
 

@@ -36,6 +36,9 @@ DEFAULT_FREE = (
 """What is estimated unless the caller chooses otherwise: no drive is without dry friction, and
 where it is left out the carriages' takes it up."""
 
+FARTHEST = 3.0
+"""Longest step of a logarithm [1]: twenty times as much is beyond what slopes tell."""
+
 FOLLOWS = {"upper_friction_coefficient": "friction_coefficient"}
 """Quantities that have the value of another one as long as they aren't free."""
 
@@ -144,6 +147,16 @@ class Unknowns:
         """
         of_shared = [lower_bound(name) for name, _ in self.shared]
         return np.concatenate([of_shared, np.full(self.active.size, -np.inf)])
+
+    def longest(self) -> Float[np.ndarray, " size"]:
+        """Longest step of each number of the vector.
+
+        Returns:
+            `FARTHEST` for a quantity that is held as its logarithm, infinity for all else.
+        """
+        positive = np.array([quantity(name).positive for name, _ in self.shared])
+        of_shared = np.where(positive, FARTHEST, np.inf)
+        return np.concatenate([of_shared, np.full(self.active.size, np.inf)])
 
 
 def layout(

@@ -74,6 +74,22 @@ def test_a_search_that_ended_otherwise_stays_where_it_was():
     assert settled(stopped, np.full(2, -np.inf)) is stopped
 
 
+def test_what_hardly_acts_goes_no_further_than_it_may():
+    slope = np.array([[1.0, 0.0], [0.0, 1e-9]])
+
+    def faint(point):
+        return SumOfSquares(slope @ point - 1.0, slope)
+
+    longest, stopping = np.array([np.inf, 3.0]), Stopping(evaluations=2, share=0.0)
+    far = minimise(faint, np.zeros(2), stopping=stopping)
+    near = minimise(faint, np.zeros(2), longest=longest, stopping=stopping)
+    assert far.point[1] > 1e8
+    np.testing.assert_allclose(near.point, [far.point[0], 3.0])
+    converged = dataclasses.replace(near, ended="converged")
+    assert settled(converged, np.full(2, -np.inf)).point[1] > 1e8
+    assert settled(converged, np.full(2, -np.inf), longest).point[1] == 6.0
+
+
 def test_a_bound_holds_what_would_cross_it():
     found = minimise(
         lambda x: SumOfSquares(x - np.array([-1.0, 2.0]), np.eye(2)),
