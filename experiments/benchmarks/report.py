@@ -25,10 +25,10 @@ within one run. Everything runs on one device; batches go through `jax.lax.map`,
 the chunk of 16 to 256 in which each contender is fastest. The drives have no dry friction; the
 nonlinear engine looks for it all the same, the linear one where it says so.
 
-Errors are the largest of a position in up to 16 runs against exact friction (this engine at
-4 kHz, which tests hold to the event-by-event reference); a tilt counts as the way of the
-attachments. Smoothed friction is another model: most of its error is the smoothing's, and its
-note says how far the solver is off that model's own solution.
+Errors are the largest position error in up to 16 runs against exact friction (this engine at
+4 kHz, which tests compare with the event-by-event reference); a tilt counts as the displacement
+of the attachments. Smoothed friction is another model: most of its error comes from the
+smoothing, and its note says how far the solver is from that model's own solution.
 
 {machine}
 

@@ -19,6 +19,8 @@ from experiments.page.theme import declarations
 from scdpr_jax.numerics.files.harmless import printable
 
 _SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
+_UNIT = re.compile(r"(?<=\d) (?=(?:%|N|mm|Hz|ms|s|V|mrad|px)(?:\W|$))")
+"""The blank between a number and its unit."""
 _PACKAGES = ("scdpr-jax", "jax", "jaxlib", "equinox", "numpy", "scipy", "matplotlib")
 
 
@@ -100,6 +102,7 @@ def _environment() -> jinja2.Environment:
         "night": declarations(night=True),
     }
     environment.filters["code"] = code
+    environment.filters["unbroken"] = unbroken
     environment.filters["whole"] = lambda text: split_at_point(text)[0]
     environment.filters["part"] = lambda text: split_at_point(text)[1]
     environment.globals["policy"] = _policy(environment)
@@ -150,6 +153,18 @@ def code(text: str) -> Markup:
         Markup("<code>{}</code>").format(piece) if place % 2 else piece
         for place, piece in enumerate(pieces)
     )
+
+
+def unbroken(text: str) -> str:
+    """A sentence in which no line ends between a number and its unit.
+
+    Args:
+        text: The sentence.
+
+    Returns:
+        It, with blanks there that don't break.
+    """
+    return _UNIT.sub("\N{NO-BREAK SPACE}", text)
 
 
 def versions() -> tuple[tuple[str, str], ...]:

@@ -213,7 +213,11 @@ def _provenance(campaign: Campaign, estimate: Estimate) -> list[tuple[str, str]]
         ("held-out runs", held_out or "none"),
         ("skipped runs", ", ".join(name for name, _ in campaign.skipped) or "none"),
         ("independent measurements", f"{fit.measurements:.0f}"),
-        ("fit", f"{fit.ended} after {fit.iterations} evaluations; {len(fit.starts)} starts"),
+        (
+            "fit",
+            f"{fit.ended} after {fit.iterations} evaluations; "
+            f"{len(fit.starts)} start{'s' * (len(fit.starts) != 1)}",
+        ),
         *_minima(fit.valleys),
         ("encoder noise, σ", f"{short(1e3 * sensors['encoder_sigma'], 4)} mrad"),
         (

@@ -134,7 +134,7 @@ def _shaper(regional: RegionalShaper) -> dict[str, str]:
     return {
         "region": region_name(regional),
         "frequency [Hz]": short(regional.frequency, 4),
-        "band [Hz]": f"{short(regional.band[0], 4)} … {short(regional.band[1], 4)}",
+        "band [Hz]": _band(*regional.band),
         "from": "knock" if regional.measured else "model",
         "kind": regional.kind or "–",
         "left of legs": "–" if regional.share is None else percent(regional.share),
@@ -143,6 +143,15 @@ def _shaper(regional: RegionalShaper) -> dict[str, str]:
         "left, nominal": percent(regional.residual_vibration.nominal),
         "worst": percent(regional.residual_vibration.worst),
     }
+
+
+def _band(low: float, high: float) -> str:
+    """A band with as many digits as tell its ends apart; the model's own frequency has none."""
+    for digits in range(4, 8):
+        ends = short(low, digits), short(high, digits)
+        if ends[0] != ends[1]:
+            return "–".join(ends)
+    return short(low, 4)
 
 
 def _legs(tuning: Tuning) -> Table:

@@ -66,6 +66,7 @@ def select(
         return usual
     candidates = [r for r in refinements if not set(r.free) <= set(options.free)]
     every = _with(options, candidates)
+    progress("other models", 0.41)  # Most campaigns end before this.
     whole = Problem.of(campaign, dataclasses.replace(options, free=every))
     fits = _forward(
         whole, options, vector(whole, usual), candidates=candidates, progress=progress
@@ -108,7 +109,7 @@ def _forward(
     remaining, added = list(candidates), []
     fits: list[_Fit] = []
     while True:
-        progress(f"model {len(fits) + 1}", 0.4 + 0.4 * len(fits) / (len(candidates) + 1))
+        progress(f"model {len(fits) + 1}", 0.41 + 0.39 * len(fits) / (len(candidates) + 1))
         problem = _opened(whole, usual, added)
         minimum = problem.minimise(
             _picked(whole, problem, point), iterations=ITERATIONS, decrement=0.1

@@ -145,8 +145,8 @@ def covariance(
     r"""Standard errors that hold for residuals that are correlated in time.
 
     Noise of the stated size that is independent from sample to sample gives
-    $(J^TJ)^{-1}$. An unmodelled force acts for as long as it pleases, and what a drive's
-    encoder rounds stands for as long as the drive does: then neighbouring residuals aren't
+    $(J^TJ)^{-1}$. An unmodelled force may act for seconds, and a rounding error of an
+    encoder lasts as long as its drive stands still: then neighbouring residuals aren't
     independent. The sandwich
 
     $$ C = (J^TJ)^{-1} \Big( \sum_g s_g s_g^T \Big) (J^TJ)^{-1} $$

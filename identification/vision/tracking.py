@@ -26,7 +26,7 @@ from identification.vision.spots.marks import (
     require_fit,
 )
 from identification.vision.timing.clock import Clock, doubled, dropped, read_clock, read_stamps
-from identification.vision.timing.tripod import mean_marks, shake_of
+from identification.vision.timing.tripod import mean_marks, shake_error, shake_of
 from identification.vision.uncertainty import Sigma, sigma_of
 from scdpr_jax.numerics.progress import SILENT, Progress
 
@@ -218,7 +218,7 @@ def _put_together(
         clock,
         poses,
         fit.marks,
-        sigma_of(vision, fit, poses, variance, shaken=bool(shake.any())),
+        sigma_of(vision, fit, poses, variance, shake_error(mark_pixels, clock, shake)),
         read.start,
         mark_pixels,
         pixels,

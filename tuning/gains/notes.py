@@ -78,7 +78,7 @@ def _gain(shapers: Sequence[RegionalShaper], legs: PredictedLegs) -> list[str]:
     notes = [
         f"Over {count} random legs gains and shapers are predicted to leave {left} % of the "
         f"vibration under Eq. (25), {worst} % of that of the robot that they serve worst; "
-        f"{worse} of the legs shake more than before. The robot rests {resting[1]:.1f} mm from "
+        f"legs that shake more than before: {worse}. The robot rests {resting[1]:.1f} mm from "
         f"its target where it rested {resting[0]:.1f} mm (median). Legs arrive up to "
         f"{longer:.2f} s later."
     ]

@@ -23,7 +23,8 @@ from identification.vision.lens.lens import Lens
 from identification.vision.lens.plane import Marks, fit_plane, pose_of, undistorted, view_of
 from identification.vision.lens.view import View
 
-_USUAL_ERROR = 0.008  # px: a disc's mean over a steady camera's pictures
+USUAL_ERROR = 0.008
+"""What a disc is off by in the mean of a steady camera's pictures [px]."""
 _WEIGHT = 2.0  # residuals that the usual error counts as
 _ERRORS = np.geomspace(5e-3, 3.0, 129)
 _PLACE = 6
@@ -103,5 +104,5 @@ def _error(
     square = (vectors.T @ left) ** 2
     variance = np.maximum(values, 0) + _ERRORS[:, None] ** 2
     told = (square / variance + np.log(variance)).sum(axis=1)
-    usual = _WEIGHT * ((_USUAL_ERROR / _ERRORS) ** 2 + 2 * np.log(_ERRORS))
+    usual = _WEIGHT * ((USUAL_ERROR / _ERRORS) ** 2 + 2 * np.log(_ERRORS))
     return float(_ERRORS[np.argmin(told + usual)])

@@ -9,7 +9,14 @@ from jaxtyping import Float64, UInt8
 from identification.vision.pictures.opencv import opencv
 from identification.vision.settings.document import Colour
 from identification.vision.spots.disc import Disc, Shape, measure, stored
-from identification.vision.spots.look import MOST_HIDDEN, Look, Picture, Sighting, Travel
+from identification.vision.spots.look import (
+    MOST_HIDDEN,
+    Look,
+    Picture,
+    Sighting,
+    Travel,
+    piece,
+)
 
 _HUES = 256 / (2 * math.pi)
 _MOST_STRETCHED = 2.5
@@ -38,11 +45,10 @@ class ColouredDisc(Look):
     ) -> Sighting | None:
         """The disc whose patch of colour is the nearest of those that are large enough."""
         half = np.sqrt((shape.axes**2).sum(axis=1)) + np.abs(shape.travel) / 2 + reach + 2
-        low = np.maximum(np.floor(near - half), 0).astype(int)
-        high = np.minimum(np.ceil(near + half) + 1, picture.shape[1::-1]).astype(int)
-        if (high - low < 4).any():
+        cut = piece(picture, near, half, least=4)
+        if cut is None:
             return None
-        patch = picture[low[1] : high[1], low[0] : high[0]]
+        low, patch = cut
         area = math.pi * shape.radius**2
         mask = coloured(patch, self.colour)
         found = _patches(mask, 0.25 * area, math.inf)

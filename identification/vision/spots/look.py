@@ -5,7 +5,7 @@ import dataclasses
 from collections.abc import Callable
 
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Float64, Int, UInt8
 
 from identification.vision.spots.disc import Shape
 
@@ -81,3 +81,27 @@ class Look(abc.ABC):
         Returns:
             Places, to a few pixels [px].
         """
+
+
+def piece(
+    picture: Picture,
+    near: Float64[np.ndarray, " 2"],
+    half: Float64[np.ndarray, " 2"] | float,
+    least: int,
+) -> tuple[Int[np.ndarray, " 2"], UInt8[np.ndarray, "rows columns 3"]] | None:
+    """A piece of a picture about a place, as far as the picture goes.
+
+    Args:
+        picture: The picture.
+        near: The place [px].
+        half: How far the piece goes from there [px].
+        least: Least width and height [px].
+
+    Returns:
+        Its first column and row, and the piece; None of one that is too small.
+    """
+    low = np.maximum(np.floor(near - half), 0).astype(int)
+    high = np.minimum(np.ceil(near + half) + 1, picture.shape[1::-1]).astype(int)
+    if (high - low < least).any():
+        return None
+    return low, picture[low[1] : high[1], low[0] : high[0]]

@@ -9,7 +9,7 @@ from jaxtyping import Float64, UInt8
 
 from identification.vision.pictures.opencv import opencv
 from identification.vision.spots.disc import Shape
-from identification.vision.spots.look import Look, Picture, Sighting, Travel
+from identification.vision.spots.look import Look, Picture, Sighting, Travel, piece
 
 _QUIET = 4
 _TIMES = 2
@@ -35,12 +35,11 @@ class Tag(Look):
     ) -> Sighting | None:
         """The tag, in a piece of the picture about its place."""
         half = 2.5 * shape.radius + np.abs(shape.travel).max() + reach + _QUIET
-        low = np.maximum(np.floor(near - half), 0).astype(int)
-        high = np.minimum(np.ceil(near + half) + 1, picture.shape[1::-1]).astype(int)
-        if (high - low < 8).any():
+        cut = piece(picture, near, half, least=8)
+        if cut is None:
             return None
-        patch = np.ascontiguousarray(picture[low[1] : high[1], low[0] : high[0]])
-        corners = detected(self.dictionary, patch).get(self.number)
+        low, patch = cut
+        corners = detected(self.dictionary, np.ascontiguousarray(patch)).get(self.number)
         if corners is None:
             return None
         centre = crossing(corners)

@@ -9,6 +9,7 @@ from identification.vision.timing.shutter import at_frame_times
 _SIGNIFICANT = 4.0
 _LEAST = 3
 _ROUNDS = 3
+_OF_MEDIAN = 1.4826  # of a normal deviate's median size, which blinks of a mark don't change
 
 
 def mean_marks(
@@ -90,6 +91,36 @@ def shake_at(
     if not shake.any():
         return np.zeros_like(shake)
     return _filled(at_frame_times(shake, times, wanted))
+
+
+def shake_error(
+    pixels: Float64[np.ndarray, "frames marks 2"],
+    clock: Clock,
+    shake: Float64[np.ndarray, "frames 2"],
+) -> Float64[np.ndarray, " 2"]:
+    """How far the shift at a row's own time is off: by the marks, which stand still.
+
+    A shift is known at the pictures' times, and between them it goes on shaking. So a mark is
+    seen to move by what its row's shift is off by, and so is a marker.
+
+    Args:
+        pixels: Where the marks are seen; NaN where they aren't [px].
+        clock: When which row is exposed.
+        shake: The shift at each picture's time; zeros if it is none [px].
+
+    Returns:
+        Standard deviation along each direction, zeros without a shake [px].
+    """
+    if not shake.any():
+        return np.zeros(2)
+    errors = []
+    for own in pixels.swapaxes(0, 1):
+        times = clock.frames + clock.offset(own[:, 1])
+        left = own - shake_at(shake, clock.frames, times)
+        left = left[np.isfinite(left[:, 0])]
+        if len(left):
+            errors.append(np.median(np.abs(left - np.median(left, axis=0)), axis=0))
+    return _OF_MEDIAN * np.mean(errors, axis=0) if errors else np.zeros(2)
 
 
 def _means(apart: Float64[np.ndarray, "frames marks 2"]) -> Float64[np.ndarray, "frames 2"]:

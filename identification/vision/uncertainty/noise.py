@@ -44,8 +44,8 @@ class Noise:
 
     own: Float64[np.ndarray, "2 markers"]
     """Each marker's, along x and along y [m]."""
-    common: float
-    """That of all markers together, in each direction, as of a tripod's shaking [m]."""
+    shake: Float64[np.ndarray, " 2"]
+    """What the shift of a picture is off by, along x and along y, and so each marker [m]."""
     rows: dict[str, float]
     """Each column's, by rows that have another time than their picture [m, rad]."""
 
@@ -55,8 +55,7 @@ def noise_of(
     view: View,
     poses: Poses,
     variance: Float64[np.ndarray, "frames markers 2"],
-    *,
-    shaken: bool,
+    shake: Float64[np.ndarray, " 2"],
 ) -> Noise:
     """Noise of the markers.
 
@@ -66,7 +65,7 @@ def noise_of(
         poses: The poses.
         variance: Of each marker's coordinates in each picture, by its disc; NaN where that
             doesn't tell [px²].
-        shaken: Whether the camera shook: what was left of it moves all markers.
+        shake: How far the shift of a picture is off along each direction [px].
 
     Returns:
         Their noise.
@@ -79,8 +78,7 @@ def noise_of(
         words = (rigid, guided) if marker.body == "end_effector" else (guided, rigid)
         word = next((each for each in words if np.isfinite(each)), 0.0)
         own[k] *= _CODED**2 * np.exp(_BELIEVED * word)
-    common = _common(vision, poses, own) if shaken else 0.0
-    return Noise(np.sqrt(own).T, common, _of_rows(vision, poses))
+    return Noise(np.sqrt(own).T, _of_shake(vision, view, poses, shake), _of_rows(vision, poses))
 
 
 def _expected(
@@ -161,16 +159,16 @@ def _projector(own: Float64[np.ndarray, "markers 2"]) -> Float64[np.ndarray, "nu
     return np.eye(len(flat)) - flat @ flat.T
 
 
-def _common(vision: Vision, poses: Poses, own: Float64[np.ndarray, "markers 2"]) -> float:
-    """What the carriages' heights have in common [m]: their guides stand still."""
-    members = [k for body, many in of_bodies(vision) if body != "end_effector" for k in many]
-    at = poses.places[:, members]
-    at = at[np.isfinite(at).all(axis=(1, 2))]
-    if len(members) < 2 or not len(at):
-        return 0.0
-    heights = np.mean([_straight(each[:, 1], each[:, 0]) for each in at.swapaxes(0, 1)], axis=0)
-    alone = own[members, 1].sum() / len(members) ** 2
-    return float(np.sqrt(max(_trimmed(heights) - alone, 0.0)))
+def _of_shake(
+    vision: Vision, view: View, poses: Poses, shake: Float64[np.ndarray, " 2"]
+) -> Float64[np.ndarray, " 2"]:
+    """What a shift of the picture makes of the markers' places along x and along y [m]."""
+    depth = float(np.mean([marker.depth for marker in vision.markers]))
+    middle = np.nanmedian(poses.places, axis=(0, 1))
+    if not shake.any() or not np.isfinite(middle).all():
+        return np.zeros(2)
+    footprint = view.footprint(np.array([*middle, depth]))
+    return np.sqrt(np.linalg.inv(footprint) ** 2 @ shake**2)
 
 
 def _straight(

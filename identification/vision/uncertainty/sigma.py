@@ -23,6 +23,11 @@ from identification.vision.uncertainty.noise import Noise, noise_of
 from identification.vision.uncertainty.systematic import systematic_variances
 
 _SAMPLES = 12
+_FAST, _OF_PLATE = 4.0, 0.3
+"""A disc is fast where its variance along its path is more than so many times that across. Its
+plate then lies on one side of it and the wall on the other, which is most of what it is off by.
+The disc at the plate's other end is off the other way: this share stays in the mean of both, by
+rendered films [1]."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,8 +66,7 @@ def sigma_of(
     fit: Adjusted,
     poses: Poses,
     variance: Float64[np.ndarray, "frames markers 2"],
-    *,
-    shaken: bool,
+    shake: Float64[np.ndarray, " 2"],
 ) -> Sigma:
     """How far the poses may be off.
 
@@ -71,12 +75,12 @@ def sigma_of(
         fit: The lens and the marks' plane.
         poses: The poses.
         variance: Of each marker's coordinates in each picture, by its disc [px²].
-        shaken: Whether the camera shook.
+        shake: How far the shift of a picture is off along each direction [px].
 
     Returns:
         Standard deviations.
     """
-    noise = noise_of(vision, fit.marks.view, poses, variance, shaken=shaken)
+    noise = noise_of(vision, fit.marks.view, poses, variance, shake)
     common = systematic_variances(vision, fit, _typical(poses))
     random: dict[str, float] = {}
     for body, members in of_bodies(vision):
@@ -118,17 +122,20 @@ def _medians(
 def _of_noise(vision: Vision, body: str, members: list[int], noise: Noise) -> dict[str, float]:
     """What independent noise of a body's markers makes of its columns, and what all share."""
     along_x, along_y = (noise.own[:, members] ** 2).mean(axis=1)
-    shared = {name: noise.rows[name] ** 2 + noise.common**2 for name in OF_BODY[body]}
+    shake_x, shake_y = noise.shake**2
+    rows = {name: noise.rows[name] ** 2 for name in OF_BODY[body]}
     if body != "end_effector":
-        return {name: along_x / len(members) + each for name, each in shared.items()}
+        return {name: along_x / len(members) + shake_x + each for name, each in rows.items()}
     own = np.array([[vision.markers[k].x, vision.markers[k].y] for k in members])
     middle = own.mean(axis=0)
     arm = own - middle
     # A marker turns the body by its move across its arm.
     inertia = (arm**2).sum()
     turn = ((arm[:, 0] ** 2).sum() * along_y + (arm[:, 1] ** 2).sum() * along_x) / inertia**2
+    far = max(along_x - _FAST * along_y, 0.0)
+    together = along_x - (1 - _OF_PLATE) * far
     return {
-        "x_e": along_x / len(members) + turn * middle[1] ** 2 + shared["x_e"],
-        "y_e": along_y / len(members) + turn * middle[0] ** 2 + shared["y_e"],
-        "delta_e": turn + noise.rows["delta_e"] ** 2,
+        "x_e": together / len(members) + turn * middle[1] ** 2 + shake_x + rows["x_e"],
+        "y_e": along_y / len(members) + turn * middle[0] ** 2 + shake_y + rows["y_e"],
+        "delta_e": turn + rows["delta_e"],
     }

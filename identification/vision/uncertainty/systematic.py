@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from identification.vision.lens import Adjusted, View
+from identification.vision.lens.adjusted import USUAL_ERROR
 from identification.vision.settings.document import Vision
 from identification.vision.spots.marks import colour_magnification
 from identification.vision.uncertainty.columns import columns_of
@@ -27,6 +28,7 @@ def systematic_variances(
     view = fit.marks.view
     shifts = [_moved(vision, view, other, places) for other in fit.others]
     shifts.append(_by_colour(vision, view, places))
+    shifts += _by_disc(vision, view, places)
     variances: dict[str, float] = {}
     for shift in shifts:
         for name, values in columns_of(vision, shift).items():
@@ -45,6 +47,23 @@ def _by_colour(
         seen = view.lens.without_colour(view.pixels(at), own)
         shift[:, k] = view.places(seen, marker.depth) - places[:, k]
     return np.nan_to_num(shift)
+
+
+def _by_disc(
+    vision: Vision, view: View, places: Float64[np.ndarray, "samples markers 2"]
+) -> list[Float64[np.ndarray, "samples markers 2"]]:
+    """What all discs of a colour are off by, as marks are: a Bayer pattern shifts colours."""
+    shifts = []
+    for colour in sorted({marker.colour or "" for marker in vision.markers}):
+        for error in np.eye(2) * USUAL_ERROR:
+            shift = np.zeros_like(places)
+            for k, marker in enumerate(vision.markers):
+                if (marker.colour or "") == colour:
+                    at = [places[:, k], np.full((len(places), 1), marker.depth)]
+                    seen = view.pixels(np.concatenate(at, axis=-1)) + error
+                    shift[:, k] = view.places(seen, marker.depth) - places[:, k]
+            shifts.append(np.nan_to_num(shift))
+    return shifts
 
 
 def _moved(

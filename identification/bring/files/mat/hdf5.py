@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 from identification.bring.files.channel import Channel
+from identification.bring.files.mat.store import Store
 from identification.bring.files.mat.tree import channels
 
 _DEEPEST = 24
@@ -31,7 +32,20 @@ def read_hdf5(path: pathlib.Path) -> list[Channel]:
         Every array of numbers or texts, by its path through structures and cells.
     """
     with h5py.File(path, "r") as file:
-        return channels({name: _value(file, file[name], 0) for name in _names(file)})
+        return channels(
+            {name: _value(file, file[name], 0) for name in _names(file)}, _store(file)
+        )
+
+
+def _store(file: Any) -> Store | None:
+    """The properties of the file's objects; None where there are none that can be read."""
+    item = file.get("#subsystem#/MCOS")
+    if not isinstance(item, h5py.Dataset) or h5py.check_ref_dtype(item.dtype) is None:
+        return None
+    try:
+        return Store.of([_value(file, file[ref], 1) for ref in np.ravel(item[()])])
+    except (ValueError, IndexError):
+        return None
 
 
 def _names(group: Any) -> list[str]:
@@ -45,8 +59,9 @@ def _value(file: Any, item: Any, depth: int) -> np.ndarray:
         raise ValueError("structures inside of each other without end")
     kind = _attribute(item, "MATLAB_class")
     if "MATLAB_object_decode" in item.attrs or kind in _CLASSES:
+        numbers = np.asarray(item[()]).T if isinstance(item, h5py.Dataset) else None
         made = np.zeros(1, dtype=_OBJECT)
-        made[0] = (b"", b"MCOS", kind, None)
+        made[0] = (b"", b"MCOS", kind, numbers)
         return made
     if isinstance(item, h5py.Group):
         return _structure(file, item, depth)

@@ -1,7 +1,8 @@
 """Objects that only MATLAB knows, and the line that makes a structure of each.
 
-A table, a timeseries and a Dataset are classes of MATLAB's own, whose content MAT files keep in
-a part that isn't documented. A reader that guesses at it would be wrong one day without a word.
+Tables, timetables, durations and datetimes are read, see `tables`. A timeseries, a Dataset and
+texts as objects are other classes of MATLAB's, and a later MATLAB may keep a table in another
+way: a reader that guesses at those would be wrong one day without a word.
 """
 
 _NUMBERS = (

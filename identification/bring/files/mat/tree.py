@@ -11,6 +11,8 @@ import numpy as np
 
 from identification.bring.files.channel import Channel
 from identification.bring.files.mat.objects import way_out
+from identification.bring.files.mat.store import Store
+from identification.bring.files.mat.tables import columns_of
 
 LABELS = ("label", "Name", "name", "Label", "Path", "title")
 """Members of a structure that name its signal, the first that is there."""
@@ -18,25 +20,29 @@ UNITS = ("unit", "Unit", "units", "Units")
 """Members that state a unit."""
 
 
-def channels(variables: Mapping[str, Any]) -> list[Channel]:
+def channels(variables: Mapping[str, Any], store: Store | None = None) -> list[Channel]:
     """Channels of a MAT file's variables.
 
     Args:
         variables: SciPy's arrays by name: of numbers, of structures (with fields), of objects
             (cells), of characters.
+        store: The properties of MATLAB's own objects; None where the file has none.
 
     Returns:
         A channel for each array of numbers or texts, and for each object that can't be read.
     """
-    return [each for name, value in variables.items() for each in _walk(name, value, "", "")]
+    return [
+        each for name, value in variables.items() for each in _walk(name, value, "", "", store)
+    ]
 
 
-def _walk(path: str, value: Any, label: str, unit: str) -> Iterator[Channel]:
+def _walk(
+    path: str, value: Any, label: str, unit: str, store: Store | None
+) -> Iterator[Channel]:
     """The channels of a value and of what it holds."""
     kind = class_of(value)
     if kind:
-        path = _name_of(value) or path
-        yield Channel(name=path, values=np.zeros(0), missing=way_out(path, kind))
+        yield from _of_object(name_of(value) or path, value, kind, label, store)
         return
     if not isinstance(value, np.ndarray | np.void):
         return  # a sparse matrix, or nothing at all: no log is one
@@ -46,16 +52,41 @@ def _walk(path: str, value: Any, label: str, unit: str) -> Iterator[Channel]:
             fields = {name: record[name] for name in array.dtype.names}
             label_of, unit_of = (_first_text(fields, names) for names in (LABELS, UNITS))
             for name, field in fields.items():
-                yield from _walk(f"{place}.{name}", field, label_of or label, unit_of or unit)
+                yield from _walk(
+                    f"{place}.{name}", field, label_of or label, unit_of or unit, store
+                )
     elif array.dtype == object:
         for place, item in _items(path, array):
-            yield from _walk(place, item, label, unit)
+            yield from _walk(place, item, label, unit, store)
     elif array.dtype.kind in "fiub" and array.size:
         numbers = _squeezed(array.astype(np.float64))
         yield Channel(name=path, values=numbers, label=label, unit=unit)
     elif array.dtype.kind == "U" and array.size > 1:
         texts = np.char.strip(array.ravel())
         yield Channel(name=path, values=texts, label=label, unit=unit)
+
+
+def _of_object(
+    path: str, value: Any, kind: str, label: str, store: Store | None
+) -> Iterator[Channel]:
+    """The columns of a table, or what to do with an object that can't be read."""
+    columns = columns_of(value, store)
+    if not columns:
+        yield Channel(name=path, values=np.zeros(0), missing=way_out(path, kind))
+    for column in columns:
+        place = f"{path}.{column.name}" if column.name else path
+        if column.kind:
+            missing = way_out(place, column.kind)
+            yield Channel(name=place, values=np.zeros(0), missing=missing)
+            continue
+        values = column.values
+        if not values.size:
+            continue
+        if values.dtype.kind != "U":
+            values = _squeezed(values.astype(np.float64))
+        yield Channel(
+            name=place, values=values, label=label, unit=column.unit, epoch=column.epoch
+        )
 
 
 def class_of(value: Any) -> str:
@@ -74,8 +105,15 @@ def class_of(value: Any) -> str:
     return ""
 
 
-def _name_of(value: Any) -> str:
-    """The variable that an object is: SciPy keeps it under another name."""
+def name_of(value: Any) -> str:
+    """The variable that an object is: SciPy keeps it under another name.
+
+    Args:
+        value: What SciPy made of it.
+
+    Returns:
+        Its name, empty where it is a part of something.
+    """
     return _text(np.asarray(value).ravel()[0]["s0"])
 
 
