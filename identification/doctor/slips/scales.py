@@ -160,6 +160,17 @@ def _one_column(column: int) -> Callable[[Case], float | None]:
     return measure
 
 
+def _beside(column: int) -> Callable[[Case], float | None]:
+    """The same over that of the other axis: encoders that are off by a factor cancel."""
+    other = _one_column(Q3 if column == Y else Y)
+
+    def measure(case: Case) -> float | None:
+        own, others = _one_column(column)(case), other(case)
+        return None if own is None or others is None else own / others
+
+    return measure
+
+
 def _in_unit(
     measure: Callable[[Case], float | None],
     columns: Sequence[str],
@@ -217,6 +228,14 @@ ONE_COLUMN_UNITS: tuple[Slip, ...] = (
             "unit.position",
             CAMERA_COLUMNS[column],
             _in_unit(_one_column(column), (CAMERA_COLUMNS[column],), LENGTH_FACTORS, LAGS),
+        )
+        for column in (X, Q3, Q4, Y)
+    ),
+    *(
+        Slip(
+            "unit.position",
+            f"{CAMERA_COLUMNS[column]}, by the other axis",
+            _in_unit(_beside(column), (CAMERA_COLUMNS[column],), LENGTH_FACTORS, LAGS),
         )
         for column in (X, Q3, Q4, Y)
     ),
