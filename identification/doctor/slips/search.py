@@ -57,6 +57,8 @@ class Explanation(NamedTuple):
     examination: Examination | None
     """What the sensors say then; None of what isn't among the four best, as each holds signals
     of its own, and fifty of them would be ten times the log."""
+    also: tuple[str, ...] = ()
+    """Slips that may be in the same factors, as data can't tell."""
 
     @property
     def rank(self) -> float:
@@ -165,7 +167,7 @@ def _explanation(base: Examination, slip: Slip, undone: Undone, enough: float) -
     """What a slip undone leaves; above what is enough it may be more than is told."""
     after = examination(undone.case, base, enough=enough)
     left = after.severity + VANISHED * _vanished(base, after, slip)
-    return Explanation(left, (slip,), (undone.step,), after)
+    return Explanation(left, (slip,), (undone.step,), after, undone.also)
 
 
 def _vanished(base: Examination, after: Examination, slip: Slip) -> int:
@@ -202,6 +204,7 @@ def _followed(start: Explanation, best: Explanation) -> Explanation:
             (*start.slips, slip),
             (*start.steps, undone.step),
             then.examination,
+            (*start.also, *then.also),
         )
         if pair.rank < best.rank and not _forgets(then):
             best = pair
@@ -237,4 +240,4 @@ def _alternatives(options: list[Explanation]) -> tuple[str, ...]:
         for each in options[1:12]
         if len(each.slips) == 1 and each.left < best.left + MARGIN
     ]
-    return tuple(dict.fromkeys(name for name in near if name not in chosen))
+    return tuple(dict.fromkeys(name for name in (*near, *best.also) if name not in chosen))
