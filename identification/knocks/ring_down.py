@@ -11,6 +11,7 @@ from jaxtyping import Float
 from identification.knocks.decay import Decay, fit_decay
 from identification.knocks.decimation import Thinned, thinned
 from identification.knocks.spectrum import natural_frequency
+from identification.knocks.steadiness import Steadiness, steadiness
 from scdpr_jax.numerics.long_run_variance import sandwich
 from scdpr_jax.robot.fields import si
 
@@ -95,6 +96,8 @@ class _Window:
     fit: Decay
     chi_square: float
     neighbours: float
+    is_quiet: bool
+    steadiness: Steadiness
     is_noise: bool
 
 
@@ -115,7 +118,8 @@ def ring_down(
     the frequency differs; once friction holds both, what remains is a linear vibration of
     the end-effector between held carriages. So the window starts as early as it can with
     residuals that are the camera's noise, or no more than those of a later window that are.
-    Where it can't, it starts where they are nearest to it, and says so. In each window one or
+    Where it can't, it starts where they are nearest to it, and says so. That frequency and
+    damping don't change within it is tested by itself (`steadiness`). In each window one or
     two modes, with or without drift, are chosen by Schwarz's criterion; only modes that
     vibrate (damping ratio below 0.3) are allowed.
 
@@ -166,6 +170,11 @@ def ring_down(
     if not chosen.is_noise:
         later = windows[len(windows) // 2 :]
         modes[0] = _widened(modes[0], [_ranked(w, unit)[0] for w in later])
+    quiet = [window for window in windows if window.is_quiet and window.start < chosen.start]
+    if chosen.is_noise and quiet:
+        modes[0] = _unless_steady(
+            modes[0], quiet[0].steadiness.weight, _ranked(quiet[0], unit)[0]
+        )
     inside = time >= chosen.start
     peak = natural_frequency(time[inside], displacement[inside])
     return RingDown(
@@ -242,7 +251,10 @@ def _window(
     if not scored or min(scored)[0] > min(silent) - _EVIDENCE:
         return None
     fit = min(scored)[2]
-    return _Window(float(time[0]), fit, *_judge(fit))
+    chi_square, neighbours, quiet = _judge(fit)
+    steady = steadiness(fit, t)
+    is_noise = quiet and steady.likely
+    return _Window(float(time[0]), fit, chi_square, neighbours, quiet, steady, is_noise)
 
 
 def _earliest_alike(windows: Sequence[_Window]) -> _Window:
@@ -258,7 +270,8 @@ def _earliest_alike(windows: Sequence[_Window]) -> _Window:
         # The last window is a part of the other: what they share makes no difference.
         apart = _ALIKE * np.sqrt(1 / fewer - 1 / more)
         louder = window.chi_square > last.chi_square * (1 + np.sqrt(2) * apart)
-        if not louder and window.neighbours <= last.neighbours + apart:
+        alike = not louder and window.neighbours <= last.neighbours + apart
+        if alike and window.steadiness.likely:
             return dataclasses.replace(window, is_noise=True)
     return last
 
@@ -319,6 +332,23 @@ def _widened(mode: Mode, others: list[Mode]) -> Mode:
     same = [o for o in others if abs(o.frequency / mode.frequency - 1) < _SAME]
     frequency = max((abs(o.frequency - mode.frequency) for o in same), default=0.0)
     ratio = max((abs(o.damping_ratio - mode.damping_ratio) for o in same), default=0.0)
+    return dataclasses.replace(
+        mode,
+        frequency_sigma=float(np.hypot(mode.frequency_sigma, frequency)),
+        damping_ratio_sigma=float(np.hypot(mode.damping_ratio_sigma, ratio)),
+    )
+
+
+def _unless_steady(mode: Mode, weight: float, early: Mode) -> Mode:
+    """A mode whose standard errors allow for an earlier window that changed by chance.
+
+    One steady ring-down in ten is called changing, and a later window that is taken for that
+    errs the same way: the variance is that over both models.
+    """
+    if abs(early.frequency / mode.frequency - 1) > _SAME:
+        return mode
+    frequency = np.sqrt(weight) * (early.frequency - mode.frequency)
+    ratio = np.sqrt(weight) * (early.damping_ratio - mode.damping_ratio)
     return dataclasses.replace(
         mode,
         frequency_sigma=float(np.hypot(mode.frequency_sigma, frequency)),

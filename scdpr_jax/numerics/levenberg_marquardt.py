@@ -29,10 +29,10 @@ Technical University of Denmark, 1999: `Damping.growth`.
 import dataclasses
 import math
 from collections.abc import Callable, Generator, Sequence
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
 from scdpr_jax.numerics.merit import Merit
 from scdpr_jax.numerics.progress import SILENT, Progress
@@ -315,15 +315,16 @@ def _step(
     return step, -float(2 * merit.gradient @ step + step @ merit.matrix @ step)
 
 
-FloatArray = Float[np.ndarray, "*searches n"] | Float[Array, "*searches n"]
+FloatArray = Float[Any, "*searches n"]
+"""NumPy's or JAX's: naming JAX's would load it, and the doctor does without."""
 
 
 def damped_step(
     gradient: FloatArray,
-    matrix: Float[np.ndarray, "*searches n n"] | Float[Array, "*searches n n"],
-    damping: float | Float[Array | np.ndarray, "*searches"],
+    matrix: Float[Any, "*searches n n"],
+    damping: float | Float[Any, "*searches"],
     *,
-    free: Bool[np.ndarray, "*searches n"] | Bool[Array, "*searches n"] | None = None,
+    free: Bool[Any, "*searches n"] | None = None,
     floor: float = 0.0,
 ) -> FloatArray:
     r"""The step $\delta$ with $(M + \lambda D)\, \delta = -g$ over the free unknowns.

@@ -112,6 +112,7 @@ def read_spectrum(
         _taken(labels, sensors, shaper, normalised),
         *_unused(labels, sensors, at),
         *_rising(spectrum, sensors),
+        *_falling(spectrum, sensors),
     )
     return SpectrumFile(path, spectrum, tuple(s.name for s in sensors), was_normalised, notes)
 
@@ -204,7 +205,7 @@ def _converted(
 def _numbers(
     table: SpectrumTable, labels: list[Label], places: list[int]
 ) -> Float[np.ndarray, "bins columns"]:
-    faults, numbers = [], []
+    faults, numbers, negative = [], [], False
     for line, row in table.rows:
         if len(row) != len(table.header):
             faults.append(f"row {line}: {len(row)} cells, expected {len(table.header)}")
@@ -217,12 +218,15 @@ def _numbers(
             if not _is_possible(value, labels[place])
         ]
         numbers.append(values)
+        negative |= any(-math.inf < value < 0 for value in values[1:])
     if faults:
         rest = len(faults) - _REPORTED
         listed = faults[:_REPORTED] + ([f"and {rest} more"] if rest > 0 else [])
+        levels = " Levels in decibels have [dB] in their header." if negative else ""
         raise ValueError(
             f"{table.path}: {'; '.join(listed)}, expected finite numbers, not negative, in "
-            "every row. The decimal point is '.'; mend these rows or export the spectrum again."
+            "every row. The decimal point is '.'; mend these rows or export the spectrum "
+            f"again.{levels}"
         )
     return np.array(numbers, dtype=float).reshape(-1, len(places))
 
@@ -332,3 +336,14 @@ def _rising(spectrum: Spectrum, sensors: list[_Sensor]) -> list[str]:
                 "no shaper here is for it. Record up to higher frequencies."
             )
     return notes
+
+
+def _falling(spectrum: Spectrum, sensors: list[_Sensor]) -> list[str]:
+    """Whether a spectrum begins at its highest: then that is hardly a machine's vibration."""
+    return [
+        f"{sensor.name} is highest at the first bin, {spectrum.frequency[0]:.4g} Hz, where no "
+        "peak can be told: an offset of the sensor looks like this, and so do levels in "
+        "decibels whose header doesn't say [dB]. `--lowest` leaves low frequencies out."
+        for sensor, power in zip(sensors, spectrum.by_sensor, strict=True)
+        if power.argmax() == 0
+    ]

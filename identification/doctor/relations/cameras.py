@@ -22,6 +22,15 @@ SLOPE = 0.012
 GIVE = 0.001
 """What cables, play and friction take of a motion [m], over which a slope goes with it."""
 
+TOGETHER = 0.9
+"""Correlation from which camera and encoders have a slope."""
+
+APART = 0.5
+"""Correlation below which they have nothing to do with each other."""
+
+UNRELATED = 1e4
+"""Factor that this counts as: a slip that hides another one's slope mends less than both."""
+
 START = 0.010
 """Camera minus [initial] [m], the median of the runs; one run alone reaches 4 mm."""
 
@@ -108,7 +117,8 @@ def _stream_relations(case: Case) -> list[Relation]:
         ),
         Relation(
             name="overlap",
-            excess=0.5 / max(inside, 1e-3),
+            # Streams without a common time say nothing of each other, which is no relief.
+            excess=0.5 / max(inside, 1e-7),
             what=f"{inside:.0%} of the frames are within the drive's time",
             figures={"share": inside},
         ),
@@ -226,20 +236,34 @@ def _slopes(moving: Sequence[Pairing]) -> list[Relation]:
             (pair.along if axis == "x" else pair.up, pair.position[:, column])
             for pair in moving
         ]
-        pairs = [pair for pair in pairs if travel(pair[0]) > MOVES]
-        fit = slope(pairs)
-        if fit is not None and abs(fit.correlation) > 0.9:
-            farthest = max(travel(pair[0]) for pair in pairs)
-            found.append(
-                Relation(
-                    name=f"slope.{axis}",
-                    excess=abs(fit.value - 1) / (SLOPE + GIVE / farthest),
-                    what=f"camera {name} over encoder {axis}: slope {fit.value:.4f} ± "
-                    f"{fit.sigma:.1g} in {len(pairs)} runs",
-                    figures={"slope": fit.value, "sigma": fit.sigma, "runs": len(pairs)},
-                )
+        farthest = max(travel(base) for base, _ in pairs)
+        fit = slope(pair for pair in pairs if travel(pair[0]) > MOVES)
+        if fit is not None and abs(fit.correlation) > TOGETHER:
+            allowed = 1 + SLOPE + GIVE / farthest
+            ratio = fit.value if fit.value > 0 else UNRELATED
+            what = f"slope {fit.value:.4f} ± {fit.sigma:.1g} in {len(pairs)} runs"
+        elif _strangers([pair for pair in pairs if max(map(travel, pair)) > FAR]):
+            allowed, ratio = 1 + SLOPE, UNRELATED
+            what = "one moves without the other"
+        else:
+            continue
+        found.append(
+            Relation(
+                name=f"slope.{axis}",
+                excess=off(ratio, allowed),
+                what=f"camera {name} over encoder {axis}: {what}",
+                figures={} if fit is None else {"slope": fit.value, "sigma": fit.sigma},
             )
+        )
     return found
+
+
+def _strangers(pairs: Sequence[tuple[Float64[np.ndarray, " _"], ...]]) -> bool:
+    """Whether two signals, one of which goes far, have nothing to do with each other."""
+    if not pairs:
+        return False
+    fit = slope(pairs)
+    return fit is None or abs(fit.correlation) < APART
 
 
 def _clock(case: Case, moving: int) -> list[Relation]:

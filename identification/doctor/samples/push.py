@@ -25,6 +25,8 @@ from jaxtyping import Float64
 
 from identification.doctor.case import Q3, Q4, D, Record, Rig, X, Y
 from identification.doctor.samples.motion import Onset
+from scdpr_jax.numerics.levenberg_marquardt import Stopping, minimise
+from scdpr_jax.numerics.merit import SumOfSquares
 
 USUAL = 0.03
 """Duration of a push by hand [s], where the camera is too slow to tell."""
@@ -66,14 +68,11 @@ POINTS = 11, 11, 17
 NUDGES = np.array([1e-4, 1e-4, 1e-6])
 """What these are moved by to see what it does to the residuals."""
 
-STEPS = 25
-"""Most steps from the best of them to the least residuals."""
+SEARCH = Stopping(evaluations=25, decrement=1e-3, share=0.0)
+"""From the best of them to the least residuals: a last step gains a thousandth of a square."""
 
 SPAN = 4.0
 """How many standard deviations about that the hypotheses that count are laid [1]."""
-
-ENOUGH = 1e-3
-"""What a last step gains of the squares [1]."""
 
 AROUND = 9
 """How many they are along each axis."""
@@ -209,12 +208,17 @@ def _closed_in(
     """
     axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, POINTS, strict=True)]
     lengths, centres = np.meshgrid(axes[1], axes[2])
-    costs = np.stack([_costs(window, shape, pitch, lengths, centres) for pitch in axes[0]])
+    costs = np.stack(
+        [_costs(window, shape, float(pitch), lengths, centres) for pitch in axes[0]]
+    )
     row = np.unravel_index(int(costs.argmin()), costs.shape)
     first = np.array([axes[0][row[0]], axes[1][row[2]], axes[2][row[1]]])
-    best, jacobian, least = _descended(window, shape, first, low, high)
+    found = minimise(
+        lambda point: _misfit(window, shape, point, high), first, stopping=SEARCH, lower=low
+    )
+    best, misfit = np.minimum(found.point, high), found.normal
     # What the frames don't tell is left to the ranges.
-    known = jacobian.T @ jacobian / _scale(window, least) + np.diag((2 / (high - low)) ** 2)
+    known = misfit.matrix / _scale(window, misfit.cost) + np.diag((2 / (high - low)) ** 2)
     root = np.linalg.cholesky(np.linalg.inv(known))
     along = np.linspace(-SPAN, SPAN, AROUND)
     unit = np.stack(np.meshgrid(along, along, along, indexing="ij"), axis=-1)[..., [0, 2, 1]]
@@ -232,41 +236,22 @@ def _closed_in(
     return _Grid(centres - lasting / 2, lasting, costs, float(np.linalg.det(root)))
 
 
-def _descended(
+def _misfit(
     window: _Window,
     shape: Float64[np.ndarray, " parts"],
     point: Float64[np.ndarray, "3"],
-    low: Float64[np.ndarray, "3"],
     high: Float64[np.ndarray, "3"],
-) -> tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "rows 3"], float]:
-    """The push of least residuals by Levenberg and Marquardt, its Jacobian and its cost."""
-    residual, damping = _residual(window, shape, point), 1e-3
-    jacobian = _jacobian(window, shape, point, residual)
-    for _ in range(STEPS):
-        normal = jacobian.T @ jacobian
-        normal[np.diag_indices(3)] *= 1 + damping
-        normal[np.diag_indices(3)] += 1e-9
-        step = np.linalg.solve(normal, jacobian.T @ residual)
-        tried = np.clip(point - step, low, high)
-        after = _residual(window, shape, tried)
-        gained = float(residual @ residual - after @ after)
-        damping *= 0.2 if gained > 0 else 5
-        if gained > 0:
-            point, residual = tried, after
-            jacobian = _jacobian(window, shape, point, residual)
-        if 0 <= gained < ENOUGH:
-            break
-    return point, jacobian, float(residual @ residual)
+) -> SumOfSquares:
+    """What a hypothesis leaves; its derivatives are from below, as there is no above."""
 
+    def left(point: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, " rows"]:
+        pitch, length, centre = np.minimum(point, high)
+        lengths, centres = np.full((1, 1), length), np.full((1, 1), centre)
+        return _residuals(window, shape, float(pitch), lengths, centres)[0, 0]
 
-def _jacobian(
-    window: _Window,
-    shape: Float64[np.ndarray, " parts"],
-    point: Float64[np.ndarray, "3"],
-    residual: Float64[np.ndarray, " rows"],
-) -> Float64[np.ndarray, "rows 3"]:
-    nudged = [_residual(window, shape, point + nudge) for nudge in np.diag(NUDGES)]
-    return (np.stack(nudged, axis=-1) - residual[:, None]) / NUDGES
+    residuals = left(point)
+    nudged = [left(point - nudge) for nudge in np.diag(NUDGES)]
+    return SumOfSquares(residuals, (residuals[:, None] - np.stack(nudged, axis=-1)) / NUDGES)
 
 
 def _window(record: Record, rig: Rig, moved: Onset, length: float) -> _Window | None:
@@ -320,17 +305,23 @@ def _followed(
     return np.interp(grid, stamps[seen], column[seen])
 
 
-def _residual(
-    window: _Window, shape: Float64[np.ndarray, " parts"], point: Float64[np.ndarray, "3"]
-) -> Float64[np.ndarray, " rows"]:
-    """What the best place and the best force leave, and how unusual the length is."""
-    pitch, length, centre = point
-    signal = _signal(window, float(pitch))
-    lengths, centres = np.full((1, 1), length), np.full((1, 1), centre)
-    answer = _answers(window, shape, float(pitch), lengths, centres)[0, 0]
-    square = float(answer @ answer)
-    left = signal - answer * (answer @ signal / square) if square > 0 else signal
-    return np.append(left, (length - math.log(USUAL)) / SPREAD)
+def _residuals(
+    window: _Window,
+    shape: Float64[np.ndarray, " parts"],
+    pitch: float,
+    lengths: Float64[np.ndarray, "centres lengths"],
+    centres: Float64[np.ndarray, "centres lengths"],
+) -> Float64[np.ndarray, "centres lengths rows"]:
+    """What the best place and the best force leave of hypotheses of one frequency.
+
+    The last row says how unusual the length is.
+    """
+    signal = _signal(window, pitch)
+    answer = _answers(window, shape, pitch, lengths, centres)
+    square = np.sum(answer**2, axis=-1)
+    force = (answer @ signal) / np.where(square > 0, square, np.inf)
+    unusual = (lengths - math.log(USUAL)) / SPREAD
+    return np.concatenate([signal - force[..., None] * answer, unusual[..., None]], axis=-1)
 
 
 def _costs(
@@ -340,12 +331,8 @@ def _costs(
     lengths: Float64[np.ndarray, "centres lengths"],
     centres: Float64[np.ndarray, "centres lengths"],
 ) -> Float64[np.ndarray, "centres lengths"]:
-    """Squares of these, for many hypotheses of one frequency."""
-    signal = _signal(window, pitch)
-    answer = _answers(window, shape, pitch, lengths, centres)
-    square = np.sum(answer**2, axis=-1)
-    along = (answer @ signal) ** 2 / np.where(square > 0, square, np.inf)
-    return signal @ signal - along + ((lengths - math.log(USUAL)) / SPREAD) ** 2
+    """Squares of these."""
+    return np.sum(_residuals(window, shape, pitch, lengths, centres) ** 2, axis=-1)
 
 
 def _signal(window: _Window, pitch: float) -> Float64[np.ndarray, " frames"]:

@@ -75,9 +75,12 @@ def _rate(case: Case, *, simple: bool) -> Undone | None:
         (ratio for whole in range(2, 26) for ratio in (float(whole), 1 / whole)),
         key=lambda ratio: abs(math.log(factor / ratio)),
     )
-    if not simple:
-        return scaled(case, TIMES[:1], _refined(case, factor))
-    return scaled(case, TIMES[:1], near) if abs(factor / near - 1) < 0.04 else None
+    is_near = abs(factor / near - 1) < 0.04
+    if simple:
+        return scaled(case, TIMES[:1], near) if is_near else None
+    # The time base of one stream over the other's is all that they tell.
+    undone = scaled(case, TIMES[:1], _refined(case, factor))
+    return undone._replace(also=("clock.drift",)) if is_near else undone
 
 
 def _refined(case: Case, factor: float) -> float:

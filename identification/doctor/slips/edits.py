@@ -30,6 +30,8 @@ class Undone(NamedTuple):
     """What was done, for `mend`."""
     factor: float | None = None
     """The factor, offset or rate that was estimated, if one was."""
+    also: tuple[str, ...] = ()
+    """Other slips that the same factor may hold: data can't tell two factors from one."""
 
 
 def affine(case: Case, columns: Sequence[str], factor: float, shift: float = 0.0) -> Case:

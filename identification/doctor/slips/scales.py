@@ -41,6 +41,15 @@ LAGS = 0.25
 NAMEPLATE = 120.0
 """Factor that counts, a gearbox or a radius may be off."""
 
+WHOLE = 30
+"""Largest whole number that counts or gears are often off by."""
+
+EXACT = 1e-3
+"""How far a measured factor is from a whole one, as a share, by an elastic cable."""
+
+CALIBRATED = 0.06
+"""The same for what a camera's calibration makes of a whole one."""
+
 CAMERA_RANGE = 1.4
 """Factor that a calibration of a camera may be off; beyond it, it is a unit."""
 
@@ -114,13 +123,36 @@ def _nameplate(factor: float | None) -> bool:
     return all(abs(factor / unit - 1) > NEAR for unit, _ in ANGLE_FACTORS)
 
 
+def _whole(factor: float, share: float) -> bool:
+    """Whether a factor, or its inverse, is a whole number to some share."""
+    larger = max(factor, 1 / factor)
+    return 1.5 < larger < WHOLE and bool(abs(larger / round(larger) - 1) < share)
+
+
+def companions(factor: float) -> tuple[str, ...]:
+    """Slips that may be in a factor of the encoders beside that of counts, gears and radii.
+
+    Args:
+        factor: The factor.
+
+    Returns:
+        Their identifiers; none for a factor that is a whole number by itself.
+    """
+    if _whole(factor, EXACT):
+        return ()
+    unit = any(_whole(factor / unit, EXACT) for unit, _ in ANGLE_FACTORS)
+    camera = _whole(factor, CALIBRATED)
+    return ("unit.alpha",) * unit + ("scale.camera",) * camera
+
+
 def _counts(case: Case) -> Undone | None:
     factor = _both(case)
     if not _nameplate(factor):
         return None
     undone = scaled(case, ANGLES, factor)
     rig = dataclasses.replace(case.rig, count=case.rig.count * factor)
-    return undone._replace(case=dataclasses.replace(undone.case, rig=rig))
+    case = dataclasses.replace(undone.case, rig=rig)
+    return undone._replace(case=case, also=companions(factor))
 
 
 def _radius(case: Case) -> Undone | None:
@@ -130,7 +162,7 @@ def _radius(case: Case) -> Undone | None:
     radius = case.rig.radius * factor
     rig = dataclasses.replace(case.rig, radius=radius)
     step = {"do": "set effective_radius", "radius_m": radius}
-    return Undone(dataclasses.replace(case, rig=rig), step, factor)
+    return Undone(dataclasses.replace(case, rig=rig), step, factor, companions(factor))
 
 
 def _one_encoder(drive: int) -> Callable[[Case], float | None]:
@@ -156,6 +188,17 @@ def _one_column(column: int) -> Callable[[Case], float | None]:
     def measure(case: Case) -> float | None:
         fit = slope((pair.position[:, column], expected(pair)) for pair in _moving(case))
         return fit.value if _sure(fit) else None
+
+    return measure
+
+
+def _beside(column: int) -> Callable[[Case], float | None]:
+    """The same over that of the other axis: encoders that are off by a factor cancel."""
+    other = _one_column(Q3 if column == Y else Y)
+
+    def measure(case: Case) -> float | None:
+        own, others = _one_column(column)(case), other(case)
+        return None if own is None or others is None else own / others
 
     return measure
 
@@ -217,6 +260,14 @@ ONE_COLUMN_UNITS: tuple[Slip, ...] = (
             "unit.position",
             CAMERA_COLUMNS[column],
             _in_unit(_one_column(column), (CAMERA_COLUMNS[column],), LENGTH_FACTORS, LAGS),
+        )
+        for column in (X, Q3, Q4, Y)
+    ),
+    *(
+        Slip(
+            "unit.position",
+            f"{CAMERA_COLUMNS[column]}, by the other axis",
+            _in_unit(_beside(column), (CAMERA_COLUMNS[column],), LENGTH_FACTORS, LAGS),
         )
         for column in (X, Q3, Q4, Y)
     ),

@@ -6,17 +6,18 @@ a small one is worse than one that leaves none. Ties go to the order of the cata
 
 One bad run spoils what is pooled over runs, or hides in it. So where no slip in all runs
 leaves nothing, or leaves runs that are odd by themselves, a slip in the odd runs alone is
-tried; and where that doesn't, two slips, each of the three best ones followed by another.
+tried; and where that doesn't, two slips, each of the four best ones followed by another.
 """
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from identification.doctor.case import Case
 from identification.doctor.findings import Finding
 from identification.doctor.relations import Examination, examination, may_help
 from identification.doctor.slips.catalogue import CATALOGUE
+from identification.doctor.slips.edits import Undone
 from identification.doctor.slips.slip import Slip
 from identification.doctor.words import explained
 
@@ -31,7 +32,7 @@ PRICE = 1.0
 and the first one did, `SURE` is enough. A relation that says how much isn't explained can't be
 off by more than all of it, and would never weigh as much as the price."""
 
-BEST = 3
+BEST = 4
 """First slips that are followed by a second one."""
 
 MARGIN = 0.5
@@ -54,8 +55,10 @@ class Explanation(NamedTuple):
     steps: tuple[Mapping[str, Any], ...]
     """How they were undone."""
     examination: Examination | None
-    """What the sensors say then; None of what isn't among the three best, as each holds signals
+    """What the sensors say then; None of what isn't among the four best, as each holds signals
     of its own, and fifty of them would be ten times the log."""
+    also: tuple[str, ...] = ()
+    """Slips that may be in the same factors, as data can't tell."""
 
     @property
     def rank(self) -> float:
@@ -139,23 +142,32 @@ def _severity_in(whole: Examination, runs: Collection[str]) -> float:
     return examination(whole.case.only(runs)).severity if runs else 0.0
 
 
-def _search(base: Examination, without: Collection[str] = ()) -> list[Explanation]:
+def _search(base: Examination) -> list[Explanation]:
     """Every slip undone, the best explanation first."""
     found: list[Explanation] = []
-    for slip in CATALOGUE:
-        undone = None if slip.id in without else slip.undo(base.case)
-        if undone is None or not may_help(undone.case, base):
-            continue
-        # What is worse than the three best ones by the margin of an alternative is neither
+    for slip, undone in _undone(base):
+        # What is worse than the four best ones by the margin of an alternative is neither
         # told nor followed by a second slip: it needn't be known how much worse.
-        best = sorted(each.left for each in found)[:BEST]
-        enough = best[-1] + MARGIN if len(best) == BEST else math.inf
-        after = examination(undone.case, base, enough=enough)
-        left = after.severity + VANISHED * _vanished(base, after, slip)
-        found.append(Explanation(left, (slip,), (undone.step,), after))
+        enough = found[BEST - 1].left + MARGIN if len(found) >= BEST else math.inf
+        found.append(_explanation(base, slip, undone, enough))
         found.sort(key=lambda each: each.rank)  # stable: ties keep their order
         found[BEST:] = [each._replace(examination=None) for each in found[BEST:]]
     return found
+
+
+def _undone(base: Examination, without: Collection[str] = ()) -> Iterator[tuple[Slip, Undone]]:
+    """Every slip that touches what doesn't hold, undone."""
+    for slip in CATALOGUE:
+        undone = None if slip.id in without else slip.undo(base.case)
+        if undone is not None and may_help(undone.case, base):
+            yield slip, undone
+
+
+def _explanation(base: Examination, slip: Slip, undone: Undone, enough: float) -> Explanation:
+    """What a slip undone leaves; above what is enough it may be more than is told."""
+    after = examination(undone.case, base, enough=enough)
+    left = after.severity + VANISHED * _vanished(base, after, slip)
+    return Explanation(left, (slip,), (undone.step,), after, undone.also)
 
 
 def _vanished(base: Examination, after: Examination, slip: Slip) -> int:
@@ -174,20 +186,29 @@ def _gained(examination: Examination) -> set[str]:
 
 
 def _pairs(first: list[Explanation]) -> list[Explanation]:
-    """The best second slip after each of the three best first ones, beside single ones."""
-    found = list(first)
-    for start in [each for each in first if not _forgets(each)][:BEST]:
-        second = _search(start.examination, (start.slips[0].id,))
-        found += [
-            Explanation(
-                then.left + (PRICE if then.left > 0 else SURE),
-                (*start.slips, *then.slips),
-                (*start.steps, *then.steps),
-                then.examination,
-            )
-            for then in [each for each in second if not _forgets(each)][:1]
-        ]
-    return sorted(found, key=lambda each: each.rank)
+    """The best pair that begins with one of the best first slips, beside single ones."""
+    best = first[0]
+    for start in [each for each in first[:BEST] if not _forgets(each)]:
+        best = _followed(start, best)
+    return first if best is first[0] else [best, *first]
+
+
+def _followed(start: Explanation, best: Explanation) -> Explanation:
+    """The best of a first slip with a second one, and of what is to be beaten."""
+    for slip, undone in _undone(start.examination, (start.slips[0].id,)):
+        # A tie is the earlier one's: what doesn't leave less needn't be known.
+        enough = max(best.left - PRICE, 0.0)
+        then = _explanation(start.examination, slip, undone, enough)
+        pair = Explanation(
+            then.left + (PRICE if then.left > 0 else SURE),
+            (*start.slips, slip),
+            (*start.steps, undone.step),
+            then.examination,
+            (*start.also, *then.also),
+        )
+        if pair.rank < best.rank and not _forgets(then):
+            best = pair
+    return best
 
 
 def _forgets(explanation: Explanation) -> bool:
@@ -219,4 +240,4 @@ def _alternatives(options: list[Explanation]) -> tuple[str, ...]:
         for each in options[1:12]
         if len(each.slips) == 1 and each.left < best.left + MARGIN
     ]
-    return tuple(dict.fromkeys(name for name in near if name not in chosen))
+    return tuple(dict.fromkeys(name for name in (*near, *best.also) if name not in chosen))

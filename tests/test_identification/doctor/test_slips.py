@@ -8,6 +8,7 @@ import planted_slips
 import pytest
 
 from identification.doctor import Finding, examine
+from identification.doctor.slips.scales import companions
 
 QUICK = (
     "degrees labelled rad",
@@ -119,8 +120,24 @@ PAIRS = (
     ("drive ms as s", "y negative"),
     ("camera ms as s", "alphas"),
     ("counts by four", "voltages"),
+    ("counts by four", "motor 2"),
+    ("radius is diameter", "y_e in cm"),
 )
 """Pairs that don't cancel."""
+
+
+@pytest.mark.parametrize(
+    ("factor", "also"),
+    [
+        (26.0, ()),  # a gearbox
+        (0.25, ()),
+        (26 / np.rad2deg(1), ("unit.alpha",)),  # and degrees
+        (2.06, ("scale.camera",)),  # a diameter, and a camera that is off by 3 %
+        (1.03, ()),
+    ],
+)
+def test_a_factor_that_may_be_two_slips_names_the_other(factor, also):
+    assert companions(factor) == also
 
 
 @pytest.mark.slow

@@ -68,6 +68,26 @@ def test_a_sliding_carriage_is_waited_for():
     assert np.median([d.window[0] for d in decays]) > 0.6
 
 
+def giving_way(seed):
+    """A knock whose carriage gives way a little at each of the first swings.
+
+    The frequency begins 0.08 Hz higher. What that leaves of one decaying sine is below the
+    noise, and the sine's frequency is five standard errors off.
+    """
+    random = np.random.default_rng(seed)
+    time = camera(random)
+    t = np.maximum(time - 0.3, 0.0)
+    turns = 3.1 * t + 0.08 * 0.4 * (1 - np.exp(-t / 0.4))
+    x = 6e-3 * np.exp(-0.2 * t) * np.sin(2 * np.pi * turns)
+    return time, x + NOISE * random.normal(size=time.size)
+
+
+def test_a_change_that_hides_below_the_noise_is_looked_for():
+    decays = [ring_down(*giving_way(seed), noise_sigma=NOISE, after=0.4) for seed in range(16)]
+    # None of them by tests of the residuals' size and of their neighbours alone.
+    assert sum(covers(d.frequency, d.frequency_sigma, 3.1) for d in decays) >= 6
+
+
 def test_a_second_mode_is_fitted_beside_the_first_where_it_shows():
     decay = fit(3, second=1e-3)
     assert len(decay.modes) == 2
@@ -171,7 +191,7 @@ def test_a_knock_that_is_called_more_than_noise_by_chance_is_told_by_all_of_its_
         ring_down(time[kept], x_e[kept], noise_sigma=1.9e-4, after=after)
         for kept in (time > 0, time < 615.9)
     )
-    assert cut.window[0] == whole.window[0]
+    assert abs(cut.window[0] - whole.window[0]) < 0.25  # one of sixteen windows
     assert cut.residuals_are_noise
     # As many samples but for those in which nothing is left.
     assert abs(cut.frequency - whole.frequency) < 0.5 * whole.frequency_sigma

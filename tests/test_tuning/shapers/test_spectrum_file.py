@@ -158,6 +158,15 @@ def test_how_densities_are_taken_is_told(write):
     assert "as they are, as was asked for" in asked.notes[1]
 
 
+def test_levels_that_no_header_calls_so_are_told_by_what_they_look_like(write):
+    rows = "\n".join(f"{f},{30 + 10 / (1 + (f - 12) ** 2):.3f}" for f in range(1, 20))
+    note = read_spectrum(write(f"freq,psd_xyz\n{rows}\n")).notes[-1]
+    assert "psd_xyz is highest at the first bin, 1 Hz" in note
+    assert "[dB]" in note
+    with pytest.raises(ValueError, match=r"Levels in decibels have \[dB\] in their header"):
+        read_spectrum(write(f"freq,psd_xyz\n{rows.replace(',', ',-')}\n"))
+
+
 def test_a_spectrum_that_still_rises_is_told(write):
     rising = text().splitlines()[: 1 + 10]  # up to 18 Hz, the peak is at 20
     (note,) = read_spectrum(write("\n".join(rising))).notes[2:]
