@@ -67,18 +67,16 @@ def monte_carlo(
     """
     facts = {"first": seeds.start}
     job = Job("recovery", Parcel(facts), len(seeds), executor.installation)
-    with claimed(out.with_name(f".{out.name}.unfinished"), job, facts) as (store, left):
-        completion = run(
-            job,
+    folder = out.with_name(f".{out.name}.unfinished")
+    with claimed(folder, job, facts, distrusted) as store:
+        failures = run(
             store,
             executor,
             words=lambda done: f"{done:,} of {job.count:,} campaigns",
             progress=progress,
         )
-        for each in (*left, *completion.distrusted):
-            distrusted(each)
-        found = [outcome_of(content) for content in results(job, store) if content is not None]
-        failed = {seeds[number]: reason for number, reason in completion.failures.items()}
+        found = [outcome_of(content) for content in results(store) if content is not None]
+        failed = {seeds[number]: reason for number, reason in failures.items()}
         made = Recoveries(found, failed)
         write_whole(out, _table(made))
         settle(out.parent)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from experiments.runtime.executors.executor import Executor
 from experiments.runtime.job import Job
-from experiments.runtime.run import Completion, results, run
+from experiments.runtime.run import require_all, results, run
 from experiments.runtime.store.store import Distrusted, Store, claimed
 from experiments.studies.codesign.unit import designed_of, parcel, payload
 from scdpr_jax.numerics.progress import Progress
@@ -45,20 +45,21 @@ def kept_designs(
             job = _job(search, starts, executor)
             inputs = {"starts": [[one.move_time, *one.point.tolist()] for one in starts]}
             folder = out / f".codesign-{len(stores) + 1}.unfinished"
-            store, left = stack.enter_context(claimed(folder, job, inputs))
+            store = stack.enter_context(claimed(folder, job, inputs, distrusted))
             stores.append(store)
-            completion = run(
-                job,
+            failures = run(
                 store,
                 executor,
                 words=lambda done: f"co-design: {done} of {job.count} searches",
                 progress=progress,
             )
-            for each in (*left, *completion.distrusted):
-                distrusted(each)
-            if completion.failures:
-                raise _unfinished(completion, job.count)
-            return [designed_of(content or b"") for content in results(job, store)]
+            require_all(
+                store,
+                failures,
+                name="searches of the co-design",
+                place=lambda number: f"number {number + 1}",
+            )
+            return [designed_of(content or b"") for content in results(store)]
 
         yield designer
         for store in stores:
@@ -72,13 +73,4 @@ def _job(search: Search, starts: Sequence[Start], executor: Executor) -> Job:
         len(starts),
         executor.installation,
         lambda number: payload(starts[number]),
-    )
-
-
-def _unfinished(completion: Completion, count: int) -> FloatingPointError:
-    number, reason = next(iter(completion.failures.items()))
-    return FloatingPointError(
-        f"{len(completion.failures)} of {count} searches of the co-design have failed, the "
-        f"first one number {number + 1}: {reason}. The others are kept: the same call tries "
-        "these again."
     )
