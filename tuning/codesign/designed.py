@@ -84,18 +84,18 @@ def evaluate(models: Models, law: Law, *, longest: float | None = None) -> Desig
     return Designed(law, time, np.asarray(outcome.cost), outcome.measures)
 
 
-def best_of(designs: Sequence[Designed], models: Models) -> Designed:
-    """The design of the least cost, of those that keep the drives' limit if any does.
+def ranked(designs: Sequence[Designed], models: Models) -> list[Designed]:
+    """Designs by cost, those that keep the drives' limit before all others.
 
     Args:
         designs: The designs, evaluated on the same models.
         models: These.
 
     Returns:
-        The best one, the first of equals.
+        The designs, the best first.
     """
     limit = float(np.min(models.ensemble.robot.drive.voltage_limit))
-    return min(designs, key=lambda one: (not one.keeps_voltage(limit), one.cost))
+    return sorted(designs, key=lambda one: (not one.keeps_voltage(limit), one.cost))
 
 
 _told = jax.jit(command, static_argnames="on")

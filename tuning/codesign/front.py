@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from scdpr_jax.numerics.progress import SILENT, Progress
-from tuning.codesign.designed import Designed, best_of
+from tuning.codesign.designed import Designed, ranked
 from tuning.codesign.models import Models
 from tuning.codesign.search import Designer, Search, Start, in_turn
 from tuning.loop.admissible import Admissible
@@ -14,6 +14,9 @@ from tuning.loop.admissible import Admissible
 _SHORTEST, _LONGEST = 1.2, 2.1
 """Ends of the front over the time in which the drives' top speed would do the longest leg at
 the plain profile [1]: half again as fast as its mean it is at its middle."""
+_BESIDE = 2
+"""Designs of a move time that those beside are begun from: the best one may be another minimum
+than the one that leads on."""
 
 
 def front(
@@ -65,20 +68,27 @@ def _least(
 ) -> list[Designed]:
     """The design of least cost for each time, without times in which not even a shaper ends.
 
-    Two rounds: the catalogue's shapers, then what they end in for the times beside.
+    Two rounds: the catalogue's shapers, then what the best of these end in, for the times
+    beside.
     """
     starts = []
     for number, time in enumerate(times):
         progress("co-design: shapers of the catalogue", 0.1 * number / len(times))
         starts.append(search.starts(time))
-    ends = _grouped(search, starts, designer, progress.part(0.1, 0.7))
-    first = [best_of(each, search.models) for each in ends if each]
+    ends = _grouped(search, starts, designer, progress.part(0.1, 0.6))
+    first = [ranked(each, search.models) for each in ends if each]
     beside = [
-        [Start(each.point, own.move_time) for each in (*first[:i][-1:], *first[i + 1 :][:1])]
+        [
+            Start(each.point, own[0].move_time)
+            for neighbour in (*first[:i][-1:], *first[i + 1 :][:1])
+            for each in neighbour[:_BESIDE]
+        ]
         for i, own in enumerate(first)
     ]
-    ends = _grouped(search, beside, designer, progress.part(0.7, 1.0))
-    return [best_of([own, *each], search.models) for own, each in zip(first, ends, strict=True)]
+    ends = _grouped(search, beside, designer, progress.part(0.6, 1.0))
+    return [
+        ranked([*own, *each], search.models)[0] for own, each in zip(first, ends, strict=True)
+    ]
 
 
 def _grouped(

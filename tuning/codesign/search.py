@@ -6,8 +6,8 @@ only the last descent, and what is found is run at the controllers' own rate.
 
 The merit has many minima, and neither the rank nor a descent on a few of the models says which
 of them is least. So several starts are descended from to the end, independently of each other
-and of other move times: whoever has a core to spare can take one. What the best of them end in
-is a start for the move times beside. To begin each move time from the design of the one before
+and of other move times: whoever has a core to spare can take one. What the best two end in
+are starts for the move times beside. To begin each move time from the design of the one before
 would be cheaper, finds less (see docs/decisions.md), and each would have to wait for the last.
 """
 
@@ -23,7 +23,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from scdpr_jax.numerics.progress import SILENT, Progress
-from tuning.codesign.designed import SHARE, Designed, best_of, evaluate
+from tuning.codesign.designed import SHARE, Designed, evaluate, ranked
 from tuning.codesign.models import Models
 from tuning.codesign.outcomes import Command, Grid, grid, linearise, run
 from tuning.codesign.shaped_legs import held_frequencies
@@ -130,7 +130,7 @@ class Search(NamedTuple):
             )
             for point in (last.point, begin.point)
         ]
-        return best_of(designs, self.models)
+        return ranked(designs, self.models)[0]
 
 
 Designer = Callable[[Search, Sequence[Start], Progress], Sequence[Designed]]
@@ -187,7 +187,7 @@ def co_design(
             f"`move_time` is too short for a shaper, got {move_time:.3g} s [s], expected more "
             "than two periods of the slowest mode. Give the move more time."
         )
-    return best_of(in_turn(search, starts, progress.part(0.1, 1.0)), models)
+    return ranked(in_turn(search, starts, progress.part(0.1, 1.0)), models)[0]
 
 
 def scattered(count: int, most: int) -> np.ndarray:
