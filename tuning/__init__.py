@@ -4,6 +4,7 @@ from types import ModuleType
 
 from tuning.codesign.codesign_file import read_law as read_law
 from tuning.codesign.codesign_file import write_codesign as write_codesign
+from tuning.codesign.designed import Designed as Designed
 from tuning.codesign.front import front as front
 from tuning.codesign.front import knee as knee
 from tuning.codesign.models import Models as Models
@@ -11,7 +12,6 @@ from tuning.codesign.models import models as models
 from tuning.codesign.recommendation import CoDesign as CoDesign
 from tuning.codesign.recommendation import Scope as Scope
 from tuning.codesign.recommendation import recommend as recommend
-from tuning.codesign.search import Designed as Designed
 from tuning.codesign.search import co_design as co_design
 from tuning.export import control_objects as control_objects
 from tuning.export import write_exports as write_exports

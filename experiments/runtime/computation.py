@@ -22,6 +22,8 @@ COMPUTATIONS: Mapping[str, str] = {
     "sweep": "experiments.sweep.unit",
     "identify": "experiments.studies.campaigns.unit",
     "legs": "experiments.studies.legs.unit",
+    "codesign": "experiments.studies.codesign.unit",
+    "recovery": "experiments.virtual_rig.unit",
 }
 """Every computation that divides, and the module whose `begin` begins it."""
 

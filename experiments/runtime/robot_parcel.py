@@ -1,11 +1,13 @@
 """A robot as plain data, and back."""
 
+import functools
 from collections.abc import Mapping
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from experiments.runtime.tree_parcel import tree_arrays, tree_of
 from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.prototype import consistent
 
@@ -24,13 +26,12 @@ def robot_arrays(robot: Robot) -> dict[str, np.ndarray]:
     Raises:
         ValueError: If the robot isn't of the prototype's kind, exact friction and all.
     """
-    leaves, structure = jax.tree.flatten(robot)
-    if structure != _structure():
+    if jax.tree.structure(robot) != _structure():
         raise ValueError(
             "the robot must have exact friction, got another kind. See "
             "`scdpr_jax.robot.parameters.exact`."
         )
-    return {f"{_NAME} {number}": np.asarray(leaf) for number, leaf in enumerate(leaves)}
+    return tree_arrays(_NAME, robot, _structure())
 
 
 def robot_of(arrays: Mapping[str, np.ndarray]) -> Robot:
@@ -42,11 +43,10 @@ def robot_of(arrays: Mapping[str, np.ndarray]) -> Robot:
     Returns:
         The robot, of the arrays' dtype.
     """
-    structure = _structure()
-    leaves = [arrays[f"{_NAME} {number}"] for number in range(structure.num_leaves)]
-    return jax.tree.unflatten(structure, [jnp.asarray(leaf) for leaf in leaves])
+    return jax.tree.map(jnp.asarray, tree_of(_NAME, arrays, _structure()))
 
 
+@functools.cache
 def _structure() -> jax.tree_util.PyTreeDef:
     """How a robot's leaves belong together, which its leaves alone don't say."""
     with jax.enable_x64(True):

@@ -2,48 +2,36 @@
 
 import contextlib
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from experiments.runtime.executors.executor import Executor
-from experiments.runtime.job import Job
 from experiments.runtime.store.store import Distrusted, Store
 from scdpr_jax.numerics.progress import SILENT, Progress
 
 
-@dataclasses.dataclass(frozen=True)
-class Completion:
-    """What came of running a job."""
-
-    failures: dict[int, str]
-    """Why units have no result, by their number; none of it is in the store."""
-    distrusted: tuple[Distrusted, ...]
-    """What of the store wasn't used, and was computed anew."""
-
-
 def run(
-    job: Job,
     store: Store,
     executor: Executor,
     *,
     words: Callable[[int], str] = lambda done: f"{done:,} units",
     progress: Progress = SILENT,
-) -> Completion:
-    """Compute every unit that the store hasn't.
+) -> Mapping[int, str]:
+    """Compute every unit that a store hasn't.
 
     Args:
-        job: The job.
-        store: Where results are kept.
+        store: Where results are kept, and what of.
         executor: Who computes them.
         words: What is done, in words, when some units are.
         progress: Told what is being done and which share of it is done.
 
     Returns:
-        What failed, and what the store had that isn't used.
+        Why units have no result, by their number; none of it is in the store.
 
     Raises:
         ValueError: If who computes can't be reached, or has another installation.
     """
-    missing, distrusted = _missing(job, store, progress.part(0.0, 0.02))
+    job = store.job
+    missing = _missing(store, progress.part(0.0, 0.02))
     failures: dict[int, str] = {}
     done = job.count - len(missing)
     progress("beginning" if missing else words(done), done / job.count)
@@ -68,14 +56,35 @@ def run(
                 store.write(number, given, outcome.content)
             done += 1
             progress(words(done), done / job.count)
-    return Completion(dict(sorted(failures.items())), distrusted)
+    return dict(sorted(failures.items()))
 
 
-def results(job: Job, store: Store) -> Iterator[bytes | None]:
+def require_all(
+    store: Store, failures: Mapping[int, str], *, name: str, place: Callable[[int], str]
+) -> None:
+    """Refuse to go on without some units' results.
+
+    Args:
+        store: Where the others are kept.
+        failures: Why units have none, as `run` tells it.
+        name: What the units are, such as "parts of the sweep".
+        place: Which one a number is, in words.
+
+    Raises:
+        FloatingPointError: If there are any; the others are kept.
+    """
+    if failures:
+        number, reason = next(iter(failures.items()))
+        raise FloatingPointError(
+            f"{len(failures)} of {store.job.count} {name} couldn't be computed, the first one "
+            f"{place(number)}: {reason}. The others are kept: the same call tries these again."
+        )
+
+
+def results(store: Store) -> Iterator[bytes | None]:
     """All units' results in their order, each checked as it is read.
 
     Args:
-        job: The job.
         store: Where they are kept.
 
     Yields:
@@ -84,15 +93,14 @@ def results(job: Job, store: Store) -> Iterator[bytes | None]:
     Raises:
         ValueError: If one was damaged since it was written.
     """
-    for number in range(job.count):
-        yield result(job, store, number)
+    for number in range(store.job.count):
+        yield result(store, number)
 
 
-def result(job: Job, store: Store, number: int) -> bytes | None:
+def result(store: Store, number: int) -> bytes | None:
     """A unit's result, checked as it is read.
 
     Args:
-        job: The job.
         store: Where it is kept.
         number: The unit's number.
 
@@ -103,7 +111,7 @@ def result(job: Job, store: Store, number: int) -> bytes | None:
         ValueError: If it was damaged since it was written.
     """
     try:
-        return store.read(number, job.payload(number))
+        return store.read(number, store.job.payload(number))
     except ValueError as error:
         raise ValueError(
             f"`--out`: record {number} in {store.folder} is {error}, since it was computed. "
@@ -111,21 +119,19 @@ def result(job: Job, store: Store, number: int) -> bytes | None:
         ) from None
 
 
-def _missing(
-    job: Job, store: Store, progress: Progress
-) -> tuple[Sequence[int], tuple[Distrusted, ...]]:
-    """Units that the store hasn't, and what it has in their place."""
-    missing, distrusted = [], []
-    for number in range(job.count):
+def _missing(store: Store, progress: Progress) -> Sequence[int]:
+    """Units that the store hasn't; what it has in their place is told, and dropped."""
+    missing, count = [], store.job.count
+    for number in range(count):
         if not store.has(number):  # Nothing to hold its inputs against.
             missing.append(number)
             continue
         try:
-            store.read(number, job.payload(number))
+            store.read(number, store.job.payload(number))
         except ValueError as error:
-            distrusted.append(Distrusted(store.name(number), str(error)))
+            store.distrusted(Distrusted(store.name(number), str(error)))
             store.drop(number)
             missing.append(number)
         if number % 64 == 0:
-            progress("checking what is kept", number / job.count)
-    return missing, tuple(distrusted)
+            progress("checking what is kept", number / count)
+    return missing

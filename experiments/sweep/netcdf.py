@@ -6,7 +6,6 @@ import h5netcdf
 import numpy as np
 import xarray as xr
 
-from experiments.runtime.job import Job
 from experiments.runtime.run import result
 from experiments.runtime.store.store import Store
 from experiments.sweep.grid import Grid, blocks
@@ -21,16 +20,15 @@ BLOCK = 65536
 class Records:
     """Records of a store, one unit in memory at a time."""
 
-    def __init__(self, swept: Sweep, job: Job, store: Store) -> None:
+    def __init__(self, swept: Sweep, store: Store) -> None:
         """Reads nothing yet.
 
         Args:
             swept: The sweep.
-            job: The sweep as a job.
             store: Where its results are, every one of them.
         """
         self.dtype, self.folder = swept.record, store.folder
-        self._swept, self._job, self._store = swept, job, store
+        self._swept, self._store = swept, store
         self._number, self._unit = -1, np.empty(0, self.dtype)
 
     def between(self, first: int, last: int) -> np.ndarray:
@@ -64,7 +62,7 @@ class Records:
 
     def _of(self, number: int) -> np.ndarray:
         if number != self._number:
-            content = result(self._job, self._store, number) or b""
+            content = result(self._store, number) or b""
             self._number, self._unit = number, np.frombuffer(content, self.dtype)
         return self._unit
 

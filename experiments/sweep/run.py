@@ -9,7 +9,7 @@ from experiments.runtime.executors.executor import Executor
 from experiments.runtime.executors.here import ThisProcess
 from experiments.runtime.installation import installation
 from experiments.runtime.job import Job
-from experiments.runtime.run import run
+from experiments.runtime.run import require_all, run
 from experiments.runtime.store.store import Distrusted, Store, claimed
 from experiments.sweep.axes import Axis
 from experiments.sweep.grid import Grid
@@ -23,10 +23,6 @@ from scdpr_jax.provenance import UNKNOWN, Provenance
 from scdpr_jax.robot.parameters import Robot
 
 _SOURCES = ("scdpr-jax", "jax", "jaxlib")
-
-
-class UnfinishedSweepError(FloatingPointError):
-    """Some points couldn't be computed; the others are kept."""
 
 
 def sweep(
@@ -64,7 +60,7 @@ def sweep(
     Raises:
         ValueError: If the file exists, parts of another sweep are in its place, or another
             process is at it.
-        UnfinishedSweepError: If some points can't be computed.
+        FloatingPointError: If some points can't be computed.
         OSError: If the place can't be written to.
     """
     folder = out.with_name(f".{out.name}.unfinished")
@@ -73,18 +69,16 @@ def sweep(
     grid = Grid(axes)
     swept = Sweep(measure.of_size(grid.count), grid, robot)
     job = Job("sweep", swept.parcel(), swept.units, executor.installation)
-    with claimed(folder, job, named_inputs(swept)) as (store, left):
+    with claimed(folder, job, named_inputs(swept), distrusted) as store:
         # Who was at it before may have been stopped after all was done.
         if not (out.exists() and store.has_finished(out)):
             if out.exists() and store.is_empty:
                 store.remove()
             _require_none(out)
-            for each in left:
-                distrusted(each)
-            _fill(swept, job, store, executor, distrusted, progress.part(0.0, 0.98))
+            _fill(swept, store, executor, progress.part(0.0, 0.98))
             progress("writing", 0.98)
             attributes = _attributes(swept, provenance)
-            write_dataset(out, swept, Records(swept, job, store), attributes)
+            write_dataset(out, swept, Records(swept, store), attributes)
             settle(out.parent)
         store.remove()
     return xr.open_dataset(out, engine="h5netcdf")
@@ -98,31 +92,19 @@ def _require_none(out: pathlib.Path) -> None:
         )
 
 
-def _fill(
-    swept: Sweep,
-    job: Job,
-    store: Store,
-    executor: Executor,
-    distrusted: Callable[[Distrusted], None],
-    progress: Progress,
-) -> None:
+def _fill(swept: Sweep, store: Store, executor: Executor, progress: Progress) -> None:
     """Compute the points that the store hasn't."""
     count = swept.grid.count
 
     def words(done: int) -> str:
         return f"{min(done * swept.measure.unit, count):,} of {count:,} points"
 
-    completion = run(job, store, executor, words=words, progress=progress)
-    for each in completion.distrusted:
-        distrusted(each)
-    if completion.failures:
-        number, reason = next(iter(completion.failures.items()))
+    def place(number: int) -> str:
         first, last = swept.ends(number)
-        raise UnfinishedSweepError(
-            f"{len(completion.failures)} of {job.count} parts of the sweep couldn't be "
-            f"computed, the first one points {first:,} to {last - 1:,}: {reason}. The others "
-            "are kept: the same call tries these again."
-        )
+        return f"points {first:,} to {last - 1:,}"
+
+    failures = run(store, executor, words=words, progress=progress)
+    require_all(store, failures, name="parts of the sweep", place=place)
 
 
 def _attributes(swept: Sweep, provenance: Provenance) -> dict[str, str]:

@@ -5,12 +5,9 @@ steps, a knock and a step of the bare drives at 200 Hz, encoders rounded to coun
 30 fps. The rig steps five times as fine as it logs. Everything else, from the starts to the
 intervals, is what `scdpr identify` does.
 
-Run it with `python -m experiments.virtual_rig.recovery --campaigns 100`.
+Run it with `python -m experiments.virtual_rig --campaigns 100 --out recovery.csv`.
 """
 
-import argparse
-import time
-from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import equinox as eqx
@@ -24,7 +21,6 @@ from experiments.virtual_rig.simulated import COUNTS_PER_REV
 from identification.axis.motion import AxisParameters, axis_positions
 from identification.campaign import CameraStream, Campaign, DriveStream, Knock, Run
 from identification.campaign.types import default_sensors, encoder_resolution
-from identification.result.estimate import Estimate
 from identification.result.estimation import estimate
 from scdpr_jax.engines.closed_loop import pulley_angles
 from scdpr_jax.engines.stepping import Inputs, interpolate, simulate
@@ -207,6 +203,8 @@ class Outcome(NamedTuple):
 
     seed: int
     """Its seed."""
+    ended: str
+    """How the fit ended."""
     truth: dict[str, float]
     """True values [SI]."""
     error: dict[str, float]
@@ -215,10 +213,6 @@ class Outcome(NamedTuple):
     """Error in standard errors [1]."""
     covered: dict[str, bool]
     """Whether the 95 % interval holds the truth."""
-    seconds: float
-    """Time that the estimate took [s]."""
-    found: Estimate
-    """The estimate."""
 
     @property
     def right(self) -> bool:
@@ -226,65 +220,24 @@ class Outcome(NamedTuple):
         return abs(self.error["effective_pretension"]) < 0.02
 
 
-def outcomes(
-    seeds: range, *, make: Callable[[Truth, int], Campaign] = campaign
-) -> Iterator[Outcome]:
-    """Estimates of drawn robots from default starts.
+def recovered(seed: int) -> Outcome:
+    """A drawn robot, estimated from default starts.
 
     Args:
-        seeds: Their seeds.
-        make: How a campaign is made of a truth and a seed.
+        seed: Its seed.
 
-    Yields:
-        How each went.
+    Returns:
+        How it went.
     """
-    for seed in seeds:
-        truth = draw(seed)
-        logs = make(truth, seed)
-        begun = time.perf_counter()
-        found = estimate(logs)
-        seconds = time.perf_counter() - begun
-        estimated = {p.name: p for p in found.parameters if p.name in DRAWN}
-        true = truth.values
-        yield Outcome(
-            seed,
-            true,
-            {n: p.value / true[n] - 1 for n, p in estimated.items()},
-            {n: (p.value - true[n]) / p.sigma for n, p in estimated.items()},
-            {n: p.interval95[0] <= true[n] <= p.interval95[1] for n, p in estimated.items()},
-            seconds,
-            found,
-        )
-
-
-def main() -> None:
-    """Draw, estimate, and count."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--campaigns", type=int, default=100)
-    parser.add_argument("--first", type=int, default=0)
-    chosen = parser.parse_args()
-    from experiments.runtime import set_up
-
-    set_up()
-    done: list[Outcome] = []
-    for one in outcomes(range(chosen.first, chosen.first + chosen.campaigns)):
-        done.append(one)
-        told = ", ".join(
-            f"{name} {one.truth[name]:.4g} ({1e2 * one.error[name]:+.4f} %, "
-            f"{one.deviation[name]:+.1f} σ{'' if one.covered[name] else ', outside'})"
-            for name in one.error
-        )
-        print(
-            f"{one.seed:4d} {'right' if one.right else 'WRONG'} {one.found.fit.ended} "
-            f"{one.seconds:5.1f} s  {told}",
-            flush=True,
-        )
-    right = sum(one.right for one in done)
-    print(f"right minimum: {right} of {len(done)}")
-    for name in DRAWN:
-        covered = sum(one.covered[name] for one in done if one.right)
-        print(f"{name}: 95 % intervals hold the truth in {covered} of {right}")
-
-
-if __name__ == "__main__":
-    main()
+    truth = draw(seed)
+    found = estimate(campaign(truth, seed))
+    estimated = {p.name: p for p in found.parameters if p.name in DRAWN}
+    true = truth.values
+    return Outcome(
+        seed,
+        found.fit.ended,
+        true,
+        {n: p.value / true[n] - 1 for n, p in estimated.items()},
+        {n: (p.value - true[n]) / p.sigma for n, p in estimated.items()},
+        {n: p.interval95[0] <= true[n] <= p.interval95[1] for n, p in estimated.items()},
+    )

@@ -95,7 +95,7 @@ class CampaignError(ValueError):
         """Every fault that was found."""
         number = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
         told = grouped(
-            (fault.file, fault.where.removeprefix(fault.file), fault.text)
+            (file := shortened(fault.file), fault.where.removeprefix(file), fault.text)
             for fault in _one_of_each_first(faults)
         )
         left = len(told) + 1 - LINES

@@ -7,9 +7,8 @@ from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.robot.prototype import consistent
-from tuning.codesign.outcomes import Outcome
+from tuning.codesign.designed import Designed
 from tuning.codesign.recommendation import DESIGNED, CoDesign, Scope
-from tuning.codesign.search import Designed
 from tuning.codesign.unknowns import Law, plain_profile
 from tuning.loop.worst_margins import WorstMargin
 from tuning.result.tuning import FittedSetting
@@ -33,7 +32,7 @@ def designed(vibration, *, volts=9.0):
     numbers = {name: np.zeros(count) for name in LegMeasures.__dataclass_fields__}
     numbers |= {"residual_vibration": np.asarray(vibration)}
     numbers |= {"largest_voltage": np.full(count, volts)}
-    return Designed(LAW, 2.3, Outcome(np.ones((count, 3)), LegMeasures(**numbers)))
+    return Designed(LAW, 2.3, np.full(count, 3.0), LegMeasures(**numbers))
 
 
 def co_design(**changed):

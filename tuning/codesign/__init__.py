@@ -2,6 +2,8 @@
 
 from tuning.codesign.codesign_file import read_law as read_law
 from tuning.codesign.codesign_file import write_codesign as write_codesign
+from tuning.codesign.designed import Designed as Designed
+from tuning.codesign.designed import evaluate as evaluate
 from tuning.codesign.front import front as front
 from tuning.codesign.front import knee as knee
 from tuning.codesign.front import usual_move_times as usual_move_times
@@ -10,7 +12,5 @@ from tuning.codesign.models import models as models
 from tuning.codesign.recommendation import CoDesign as CoDesign
 from tuning.codesign.recommendation import Scope as Scope
 from tuning.codesign.recommendation import recommend as recommend
-from tuning.codesign.search import Designed as Designed
 from tuning.codesign.search import co_design as co_design
-from tuning.codesign.search import evaluate as evaluate
-from tuning.codesign.search import references as references
+from tuning.codesign.shaped_legs import references as references

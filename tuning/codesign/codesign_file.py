@@ -15,8 +15,8 @@ from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.numerics.json_file import JsonObject, read_json
 from scdpr_jax.provenance import UNKNOWN, Provenance
 from tuning.codesign.as_tuning import tuning_of
+from tuning.codesign.designed import Designed
 from tuning.codesign.recommendation import CoDesign
-from tuning.codesign.search import Designed
 from tuning.codesign.unknowns import Law
 from tuning.loop.worst_margins import WorstMargin
 from tuning.result.document import tuning_document

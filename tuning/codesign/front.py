@@ -1,17 +1,22 @@
 """The least vibration of the worst models for every move time: the Pareto front of both."""
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
 
 from scdpr_jax.numerics.progress import SILENT, Progress
+from tuning.codesign.designed import Designed, ranked
 from tuning.codesign.models import Models
-from tuning.codesign.search import Designed, co_design
+from tuning.codesign.search import Designer, Search, Start, in_turn
 from tuning.loop.admissible import Admissible
 
 _SHORTEST, _LONGEST = 1.2, 2.1
 """Ends of the front over the time in which the drives' top speed would do the longest leg at
 the plain profile [1]: half again as fast as its mean it is at its middle."""
+_BESIDE = 2
+"""Designs of a move time that those beside are begun from: the best one may be another minimum
+than the one that leads on."""
 
 
 def front(
@@ -19,6 +24,7 @@ def front(
     within: Admissible,
     *,
     move_times: Sequence[float],
+    designer: Designer = in_turn,
     progress: Progress = SILENT,
 ) -> tuple[Designed, ...]:
     """A design for each of some move times, the vibration never rising with the time.
@@ -30,6 +36,7 @@ def front(
         models: The models.
         within: Which gains are admissible.
         move_times: Times of the moves, the shaper included [s].
+        designer: Who descends from the starts of all times: they are independent.
         progress: Told what is being done and which share of it is done.
 
     Returns:
@@ -39,31 +46,60 @@ def front(
     Raises:
         ValueError: If they can't in any.
     """
-    times = sorted(move_times)
+    search = Search(models, within, max(move_times))
+    designs = _least(search, sorted(move_times), designer, progress)
     limit = float(np.min(models.ensemble.robot.drive.voltage_limit))
-    designs: list[Designed] = []
-    count = len(times)
-    for number, time in enumerate(times):
-        design = co_design(
-            models,
-            within,
-            move_time=time,
-            longest=times[-1],
-            begin=designs[-1:],
-            progress=progress.part(number / count, (number + 1) / count, f"{time:.3g} s"),
-        )
-        if not design.keeps_voltage(limit):
-            continue
-        if designs and design.vibration > designs[-1].vibration:
-            continue
-        designs.append(design)
-    if not designs:
+    falling: list[Designed] = []
+    for design in designs:
+        beaten = falling and design.vibration > falling[-1].vibration
+        if design.keeps_voltage(limit) and not beaten:
+            falling.append(design)
+    if not falling:
         raise ValueError(
-            f"`move_times` are too short for the drives, got {times[-1]:.3g} s at the longest "
-            f"[s], in which the worst model needs more than {limit:g} V. Give the move more "
-            "time, or shorten the legs."
+            f"`move_times` are too short for the drives, got {search.longest:.3g} s at the "
+            f"longest [s], in which the worst model needs more than {limit:g} V. Give the move "
+            "more time, or shorten the legs."
         )
-    return tuple(designs)
+    return tuple(falling)
+
+
+def _least(
+    search: Search, times: Sequence[float], designer: Designer, progress: Progress
+) -> list[Designed]:
+    """The design of least cost for each time, without times in which not even a shaper ends.
+
+    Two rounds: the catalogue's shapers, then what the best of these end in, for the times
+    beside.
+    """
+    starts = []
+    for number, time in enumerate(times):
+        progress("co-design: shapers of the catalogue", 0.1 * number / len(times))
+        starts.append(search.starts(time))
+    ends = _grouped(search, starts, designer, progress.part(0.1, 0.6))
+    first = [ranked(each, search.models) for each in ends if each]
+    beside = [
+        [
+            Start(each.point, own[0].move_time)
+            for neighbour in (*first[:i][-1:], *first[i + 1 :][:1])
+            for each in neighbour[:_BESIDE]
+        ]
+        for i, own in enumerate(first)
+    ]
+    ends = _grouped(search, beside, designer, progress.part(0.6, 1.0))
+    return [
+        ranked([*own, *each], search.models)[0] for own, each in zip(first, ends, strict=True)
+    ]
+
+
+def _grouped(
+    search: Search,
+    starts: Sequence[Sequence[Start]],
+    designer: Designer,
+    progress: Progress,
+) -> list[list[Designed]]:
+    """The designs that groups of starts end in."""
+    ends = iter(designer(search, list(itertools.chain.from_iterable(starts)), progress))
+    return [list(itertools.islice(ends, len(each))) for each in starts]
 
 
 def knee(designs: Sequence[Designed]) -> Designed:

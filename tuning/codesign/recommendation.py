@@ -8,9 +8,11 @@ from jaxtyping import Float
 
 from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.parameters import Robot
+from tuning.codesign.designed import Designed, evaluate
 from tuning.codesign.front import front, knee, usual_move_times
 from tuning.codesign.models import Models, models
-from tuning.codesign.search import Designed, evaluate, references
+from tuning.codesign.search import Designer, in_turn
+from tuning.codesign.shaped_legs import references
 from tuning.loop.admissible import PEAK_SENSITIVITY, PHASE_MARGIN, admissible
 from tuning.loop.worst_margins import WorstMargin, margin_map, worst_margins
 from tuning.result.tuning import FittedSetting
@@ -95,6 +97,7 @@ def recommend(
     *,
     drawn: Sequence[Robot],
     unseen: Sequence[Robot],
+    designer: Designer = in_turn,
     progress: Progress | bool = SILENT,
 ) -> CoDesign:
     """A front of designs for robots as they might be, and the one to take.
@@ -104,6 +107,7 @@ def recommend(
         scope: What it is for.
         drawn: Robots as they might be, which the designs are made for.
         unseen: Others, which they are judged on besides, at poses in between.
+        designer: Who descends from the starts of all move times: they are independent.
         progress: Told what is being done and which share of it is done;
             True shows it in a notebook.
 
@@ -126,6 +130,7 @@ def recommend(
         seen,
         within,
         move_times=times,
+        designer=designer,
         progress=progress.part(0.03, 0.8),
     )
     chosen, longest = knee(designs), max(times)

@@ -10,7 +10,7 @@ import contextlib
 import hashlib
 import pathlib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from experiments.runtime.job import Job
@@ -43,15 +43,19 @@ class Distrusted(NamedTuple):
 class Store:
     """The results that a job has so far, in a folder that no other process writes to."""
 
-    def __init__(self, folder: pathlib.Path, job: Job) -> None:
+    def __init__(
+        self, folder: pathlib.Path, job: Job, distrusted: Callable[[Distrusted], None]
+    ) -> None:
         """A store in a folder that is there and locked; see `claimed`.
 
         Args:
             folder: Its folder.
             job: What it keeps the results of.
+            distrusted: Told what of it isn't used.
         """
         self.folder = folder
         self.job = job
+        self.distrusted = distrusted
 
     def write(self, number: int, payload: bytes, content: bytes) -> None:
         """Keep a unit's result.
@@ -173,17 +177,21 @@ def _digest(path: pathlib.Path) -> str:
 
 @contextlib.contextmanager
 def claimed(
-    folder: pathlib.Path, job: Job, inputs: Mapping[str, Any]
-) -> Iterator[tuple[Store, Sequence[Distrusted]]]:
+    folder: pathlib.Path,
+    job: Job,
+    inputs: Mapping[str, Any],
+    distrusted: Callable[[Distrusted], None] = lambda each: None,
+) -> Iterator[Store]:
     """A new store, or the one that the same job has left, for this process alone.
 
     Args:
         folder: Its folder.
         job: What it shall keep the results of.
         inputs: What the results follow from, as a message shall name it.
+        distrusted: Told what isn't used of what an earlier call has left.
 
     Yields:
-        The store, and what isn't used of what was in the folder already.
+        The store.
 
     Raises:
         ValueError: If another process is at it, or another job has left its own there.
@@ -197,12 +205,12 @@ def claimed(
                 f"`--out`: another process is at it, got a lock on {folder}, expected none. "
                 "Wait for that one, or name another file."
             ) from None
-        store = Store(folder, job)
-        about = inputs_of(job, inputs)
-        yield store, tuple(_taken_over(store, about))
+        store = Store(folder, job, distrusted)
+        _take_over(store, inputs_of(job, inputs))
+        yield store
 
 
-def _taken_over(store: Store, about: Mapping[str, Any]) -> Iterator[Distrusted]:
+def _take_over(store: Store, about: Mapping[str, Any]) -> None:
     """Make a folder the store's, and tell what of it isn't to be used."""
     began = read_manifest(store.folder)
     if began is not None and began != about:
@@ -223,5 +231,7 @@ def _taken_over(store: Store, about: Mapping[str, Any]) -> Iterator[Distrusted]:
         path.unlink()  # A writer's that was killed, on a disk without nameless files.
     if began is None:
         if (store.folder / MANIFEST).exists():
-            yield Distrusted(MANIFEST, "damaged; records are told by their own seals")
+            store.distrusted(
+                Distrusted(MANIFEST, "damaged; records are told by their own seals")
+            )
         write_manifest(store.folder, about)

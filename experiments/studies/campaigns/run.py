@@ -2,12 +2,12 @@
 
 import dataclasses
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from experiments.runtime.executors.executor import Executor
 from experiments.runtime.job import Job
 from experiments.runtime.parcel import Parcel
-from experiments.runtime.run import Completion, result, run
+from experiments.runtime.run import result, run
 from experiments.runtime.store.store import Distrusted, Store, claimed
 from experiments.studies.campaigns.files import packed_files
 from experiments.studies.campaigns.identified import Question
@@ -79,40 +79,31 @@ def identify_campaigns(
         executor.installation,
         lambda number: packed_files(campaigns[number].folder),
     )
-    with claimed(out / UNFINISHED, job, facts) as (store, left):
-        for each in left:
-            distrusted(each)
-        completion = run(
-            job,
+    with claimed(out / UNFINISHED, job, facts, distrusted) as store:
+        failures = run(
             store,
             executor,
             words=lambda done: f"{done:,} of {job.count:,} campaigns",
             progress=progress.part(0.0, 0.98),
         )
-        for each in completion.distrusted:
-            distrusted(each)
         progress("writing", 0.98)
-        batch = _written(campaigns, job, store, completion, out)
-        if not completion.failures:
+        batch = _written(campaigns, store, failures, out)
+        if not failures:
             store.remove()
     return batch
 
 
 def _written(
     campaigns: Sequence[Place],
-    job: Job,
     store: Store,
-    completion: Completion,
+    failures: Mapping[int, str],
     out: pathlib.Path,
 ) -> Batch:
     table: list[Row] = []
     failed: dict[str, str] = {}
     for number, place in enumerate(campaigns):
-        content = result(job, store, number)
-        if content is None:
-            answer = Answer("", completion.failures[number])
-        else:
-            answer = answer_of(content)
+        content = result(store, number)
+        answer = Answer("", failures[number]) if content is None else answer_of(content)
         parameters = out / place.name / "parameters.json"
         if answer.document:
             write_whole(parameters, answer.document)
@@ -125,5 +116,5 @@ def _written(
     write_csv(text, table)
     write_netcdf(binary, table, scratch=store.folder)
     settle(out)
-    again = tuple(campaigns[number].name for number in completion.failures)
+    again = tuple(campaigns[number].name for number in failures)
     return Batch((text, binary), failed, again)

@@ -9,7 +9,7 @@ import numpy as np
 
 from experiments.runtime.executors.executor import Executor
 from experiments.runtime.job import Job
-from experiments.runtime.run import Completion, results, run
+from experiments.runtime.run import require_all, results, run
 from experiments.runtime.store.store import Distrusted, Store, claimed
 from experiments.studies.legs.unit import LEGS, parcel, planned_of
 from scdpr_jax.command.controller import PD
@@ -78,42 +78,33 @@ def write_legs(
     job = Job("legs", context, count, executor.installation)
     leaves = [np.asarray(leaf).tolist() for leaf in jax.tree.leaves((robot, controller))]
     inputs = {"legs": [(*own.start, *own.end, own.time, own.slope) for own in legs]}
-    with claimed(out / UNFINISHED, job, {**inputs, "robot": leaves}) as (store, left):
-        for each in left:
-            distrusted(each)
-        completion = run(
-            job,
+    about = {**inputs, "robot": leaves}
+    with claimed(out / UNFINISHED, job, about, distrusted) as store:
+        failures = run(
             store,
             executor,
             words=lambda done: f"{min(done * unit, len(legs))} of {len(legs)} legs",
             progress=progress,
         )
-        for each in completion.distrusted:
-            distrusted(each)
-        if completion.failures:
-            raise _unfinished(completion, count, unit)
-        written = _written(job, store, out, len(legs))
+        require_all(
+            store,
+            failures,
+            name="parts of the legs",
+            place=lambda number: f"from leg {number * unit + 1} on",
+        )
+        written = _written(store, out, len(legs))
         settle(out)
         store.remove()
     return written
 
 
-def _unfinished(completion: Completion, count: int, unit: int) -> FloatingPointError:
-    number, reason = next(iter(completion.failures.items()))
-    return FloatingPointError(
-        f"{len(completion.failures)} of {count} parts of the legs couldn't be planned, the "
-        f"first one from leg {number * unit + 1} on: {reason}. The others are kept: the same "
-        "call tries these again."
-    )
-
-
-def _written(job: Job, store: Store, out: pathlib.Path, count: int) -> Legs:
+def _written(store: Store, out: pathlib.Path, count: int) -> Legs:
     """The plans as files, and their table."""
     width = max(4, len(str(count)))
     names: list[str] = []
     rows: list[Sequence[str]] = []
     longer = plain = 0
-    for content in results(job, store):
+    for content in results(store):
         made = planned_of(content or b"")
         for text in made.tables:
             names.append(f"plan-{len(names) + 1:0{width}d}.csv")

@@ -2,12 +2,26 @@
 
 import dataclasses
 import pathlib
+from typing import TYPE_CHECKING
 
 from experiments.runtime import set_up, shown_progress
-from experiments.verbs.console import ERRORS, OUT, Folder, open_call, plan_call, suggest, wrote
+from experiments.verbs.console import (
+    ERRORS,
+    OUT,
+    Folder,
+    open_call,
+    plan_call,
+    suggest,
+    tell_distrusted,
+    wrote,
+)
 from experiments.verbs.exit_status import FELL_SHORT
 from experiments.verbs.failed_fit import ending
 from experiments.verbs.places import try_out
+
+if TYPE_CHECKING:
+    from identification.result.fitted_robot import FittedRobot
+    from tuning.codesign import CoDesign
 
 
 def codesign(
@@ -20,6 +34,9 @@ def codesign(
     move_times: tuple[str, ...] = (),
     seed: int = 1,
     force: bool = False,
+    cores: int | None = None,
+    cluster: str | None = None,
+    certificates: pathlib.Path | None = None,
 ) -> int:
     """Design gains, shaper and the shape of a leg for the worst over the whole workspace.
 
@@ -27,6 +44,8 @@ def codesign(
     encoders, on legs to every pose of a grid, at every pretension, with every sample of what
     the fit leaves open; the worst tenth of these decide. Beside it stand the PD of Eq. (25)
     alone and with a ZV shaper, also on robots and poses that the design hasn't seen.
+
+    A co-design that was stopped goes on where it was: give the same call again.
 
     Args:
         parameters: parameters.json of `scdpr identify` or `scdpr calibrate`.
@@ -40,20 +59,24 @@ def codesign(
             four, from what the drives just can.
         seed: Of the samples.
         force: Design for parameters whose fit has failed, too; every file is marked.
+        cores: Processes of this machine to share the searches among; default: this one, on all
+            its cores. The result is the same.
+        cluster: A dask cluster to share them among, tcp://HOST:PORT or tls://HOST:PORT, or
+            local:N for one of N workers on this machine. Needs the extra `cluster`.
+        certificates: Folder with ca.pem, cert.pem and key.pem, for tls://.
     """
+    from experiments.runtime.executors.chosen import chosen, require_cluster
+
+    require_cluster(cluster, certificates, cores)
     try_out(out / "codesign.json")
     set_up()
     from experiments.reports import codesign_report
-    from experiments.studies.codesign_run import design, parse_grid
+    from experiments.studies.codesign.kept import kept_designs
+    from experiments.studies.codesign.run import design, parse_grid
     from experiments.studies.posterior import nominal_settings
     from identification.campaign.quantities import parse_quantity
     from identification.result.parameters_file import read_parameters
-    from scdpr_jax.numerics.files import write_whole
-    from scdpr_jax.provenance import made_today
-    from tuning.codesign import Scope, write_codesign
-    from tuning.codesign.as_tuning import tuning_of
-    from tuning.export import write_exports
-    from tuning.loop.worst_margins import margin_map
+    from tuning.codesign import Scope
     from tuning.result.tuning import CAUTION
 
     fitted = read_parameters(parameters)
@@ -70,20 +93,40 @@ def codesign(
         ),
         seed=seed,
     )
-    with shown_progress(ERRORS, "codesign") as progress:
-        co_design = design(fitted, scope, progress=progress)
+    with (
+        shown_progress(ERRORS, "codesign") as progress,
+        chosen(cluster, certificates, cores or 1) as executor,
+        kept_designs(out, executor, distrusted=tell_distrusted) as designer,
+    ):
+        co_design = design(fitted, scope, designer=designer, progress=progress)
+        files = _written(out, co_design, fitted, name=str(parameters), caution=caution)
+    status = ending(parameters, fits=fitted.fits)
+    codesign_report.show(OUT, co_design, caution=caution)
+    wrote(*files)
+    suggest(open_call(out / "codesign.html"), plan_call(out / "codesign.json"))
+    return status if co_design.holds else FELL_SHORT
+
+
+def _written(
+    out: pathlib.Path, co_design: "CoDesign", fitted: "FittedRobot", *, name: str, caution: str
+) -> list[pathlib.Path]:
+    """Everything that is written of a co-design."""
+    from experiments.reports import codesign_report
+    from scdpr_jax.numerics.files import settle, write_whole
+    from scdpr_jax.provenance import of_no_day
+    from tuning.codesign import write_codesign
+    from tuning.codesign.as_tuning import tuning_of
+    from tuning.export import write_exports
+    from tuning.loop.worst_margins import margin_map
+
     result, report = out / "codesign.json", out / "codesign.html"
-    made = made_today(fitted.provenance.campaign, fitted.provenance.source)
+    # It may be gone on with tomorrow, to the same bytes.
+    made = of_no_day(fitted.provenance.campaign, fitted.provenance.source)
     write_codesign(result, co_design, caution=caution, provenance=made)
     tuned = dataclasses.replace(tuning_of(co_design, caution=caution), provenance=made)
     exports = write_exports(out / "export", tuned)
     margins = margin_map(co_design.robots, co_design.chosen.law.controller)
-    page = codesign_report.codesign_page(
-        co_design, margins, name=str(parameters), caution=caution
-    )
+    page = codesign_report.codesign_page(co_design, margins, name=name, caution=caution)
     write_whole(report, page)
-    status = ending(parameters, fits=fitted.fits)
-    codesign_report.show(OUT, co_design, caution=caution)
-    wrote(result, report, *exports)
-    suggest(open_call(report), plan_call(result))
-    return status if co_design.holds else FELL_SHORT
+    settle(out)
+    return [result, report, *exports]

@@ -62,10 +62,12 @@ class Honest(Executor):
 
 def filled(folder, own, executor):
     """Run a job, and read what it comes to."""
-    with claimed(folder, own, {"kind": own.context.facts["kind"]}) as (store, left):
-        completion = run(own, store, executor)
+    distrusted = []
+    kind = {"kind": own.context.facts["kind"]}
+    with claimed(folder, own, kind, distrusted.append) as store:
+        failures = run(store, executor)
         found = [store.read(number, payload(number)) for number in range(own.count)]
-    return found, [*left, *completion.distrusted], completion
+    return found, distrusted, failures
 
 
 def test_what_is_kept_is_not_computed_again(tmp_path):
@@ -78,8 +80,8 @@ def test_what_is_kept_is_not_computed_again(tmp_path):
 
 
 def test_a_unit_that_fails_is_told_with_its_reason_and_the_rest_goes_on(tmp_path):
-    found, _, completion = filled(tmp_path / "store", job(), Honest(fails=(1,)))
-    assert completion.failures == {1: "it can't be"}
+    found, _, failures = filled(tmp_path / "store", job(), Honest(fails=(1,)))
+    assert failures == {1: "it can't be"}
     assert [own is None for own in found] == [False, True, False, False]
     again = Honest()
     filled(tmp_path / "store", job(), again)
@@ -115,7 +117,7 @@ def test_a_file_of_somebody_elses_is_left_alone_and_refused(tmp_path):
 def test_a_scratch_file_of_a_killed_writer_is_removed(tmp_path):
     filled(tmp_path / "store", job(), Honest())
     (tmp_path / "store" / ".scdpr-01234567-99-0123456789ab.tmp").write_text("half")
-    with claimed(tmp_path / "store", job(), {"kind": "one"}) as (store, _):
+    with claimed(tmp_path / "store", job(), {"kind": "one"}) as store:
         assert not any(path.suffix == ".tmp" for path in store.folder.iterdir())
         store.remove()
     assert not (tmp_path / "store").exists()

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from experiments.studies.codesign_run import parse_grid
+from experiments.studies.codesign.run import parse_grid
 from experiments.studies.posterior import draw, nominal_settings
 from identification.result.parameters_file import ParametersDocument
 

@@ -307,3 +307,11 @@ def test_whatever_is_damaged_the_doctor_says_so_and_never_fails(
         assert len(read_campaign(folder).runs) == 2
     else:
         assert all(fault.remedy for fault in faults_of(folder))
+
+
+def test_a_file_of_a_name_without_end_is_named_in_short():
+    named = Fault(what="it can't be read", file="/logs/" + 9000 * "x", remedy="Check its name.")
+    line = str(CampaignError("C", (named,))).splitlines()[1]
+    assert line.startswith("  /logs/xxx")
+    assert line.endswith("xxx: it can't be read. Check its name.")
+    assert len(line) < 400

@@ -2,14 +2,14 @@
 
 import pytest
 
-from experiments.virtual_rig.recovery import DRAWN, outcomes
+from experiments.virtual_rig.recovery import DRAWN, recovered
 
 CAMPAIGNS = 100
 
 
 @pytest.fixture(scope="module")
 def found():
-    return list(outcomes(range(CAMPAIGNS)))
+    return [recovered(seed) for seed in range(CAMPAIGNS)]
 
 
 @pytest.mark.slow

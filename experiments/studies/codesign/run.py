@@ -6,6 +6,7 @@ from experiments.studies.posterior import at_settings, draw
 from identification.result.fitted_robot import FittedRobot
 from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from tuning.codesign import CoDesign, Scope, recommend
+from tuning.codesign.search import Designer, in_turn
 from tuning.result.tuning import FittedSetting
 
 _UNSEEN_SEED = 1000
@@ -37,6 +38,7 @@ def design(
     fitted: FittedRobot,
     scope: Scope,
     *,
+    designer: Designer = in_turn,
     progress: Progress | bool = SILENT,
 ) -> CoDesign:
     """A co-design of a fitted robot.
@@ -44,6 +46,7 @@ def design(
     Args:
         fitted: The robot.
         scope: What it is to be for.
+        designer: Who searches, see `experiments.studies.codesign.kept`.
         progress: Told what is being done and which share of it is done;
             True shows it in a notebook.
 
@@ -66,5 +69,6 @@ def design(
         scope,
         drawn=draw(fitted, scope.settings, count=scope.samples, seed=scope.seed),
         unseen=draw(fitted, scope.settings, count=few, seed=seed),
+        designer=designer,
         progress=progress,
     )

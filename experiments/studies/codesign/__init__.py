@@ -1,0 +1,1 @@
+"""A fitted robot's co-design, its searches shared out: `scdpr codesign`."""
