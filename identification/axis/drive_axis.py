@@ -25,7 +25,7 @@ from identification.axis.log import AxisLog
 from identification.axis.motion import AxisParameters
 from identification.axis.pattern_search import Polished, polish
 from identification.axis.record import AxisRecord, axis_record
-from identification.axis.told import plausible_sizes, sum_sigma, told
+from identification.axis.told import one_way, plausible_sizes, sum_sigma, told
 from identification.sensitivity.combinations import Combination
 from scdpr_jax.numerics.levenberg_marquardt import Damping, Minimum, Stopping, minimise_together
 
@@ -209,7 +209,7 @@ class _Found:
         combined = told(
             self.names,
             values,
-            jacobian[0],
+            one_way(self.names, jacobian[0], record.direction),
             plausible=plausible,
             noise=record.noise,
             motion=record.motion,

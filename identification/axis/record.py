@@ -37,6 +37,9 @@ HALF_WINDOWS = (3, 10, 30)
 NO_WORSE = 1.2
 """Scatter about a wide cubic over that about the narrowest up to which it follows [1]."""
 
+_TURNED = 6.0
+"""Way back over the positions' noise from which an axis has turned round [1]."""
+
 _CUBIC = 3
 
 
@@ -71,6 +74,15 @@ class AxisRecord:
     """The same of the velocities [m/s or rad/s]."""
     notes: tuple[str, ...]
     """What is remarkable about the log, a sentence each."""
+
+    @functools.cached_property
+    def direction(self) -> int:
+        """1 of an axis that only moves forwards, -1 of one that moves back alone, else 0."""
+        parts = [self.position[piece.start : piece.end] for piece in self.pieces]
+        back = max(float(np.max(np.maximum.accumulate(own) - own)) for own in parts)
+        forth = max(float(np.max(own - np.minimum.accumulate(own))) for own in parts)
+        least = _TURNED * self.noise
+        return int(back <= least) - int(forth <= least)
 
     @functools.cached_property
     def time(self) -> Float64[np.ndarray, " samples"]:

@@ -41,6 +41,29 @@ def told(
     )
 
 
+def one_way(
+    names: tuple[str, ...], jacobian: Float[np.ndarray, "samples m"], direction: int
+) -> Float[np.ndarray, "samples m"]:
+    """Derivatives of an axis that never turns round: friction and offset are one force to it.
+
+    At rest both are an inequality, which tells no value. A search may end on its edge, where
+    the axis just doesn't creep, and derivatives there take the edge for something told.
+
+    Args:
+        names: The parameters.
+        jacobian: Derivatives with respect to them first.
+        direction: 1 or -1 of an axis that only moves forwards or backwards, else 0.
+
+    Returns:
+        The derivatives; as they are for an axis that turns round.
+    """
+    if not direction:
+        return jacobian
+    made = jacobian.copy()
+    made[:, names.index("offset")] = direction * made[:, names.index("coulomb")]
+    return made
+
+
 def plausible_sizes(
     names: tuple[str, ...], mass: float, *, force: float, speed: float
 ) -> Float[np.ndarray, " n"]:

@@ -15,7 +15,8 @@ from identification.axis.log import AxisLog, read_axis_log
 from identification.axis.motion import AxisParameters, axis_positions
 from identification.axis.record import axis_record
 
-EMPS = pathlib.Path(__file__).parents[3].parent / "shared" / "data" / "emps" / "train.csv"
+DATA = pathlib.Path(__file__).parents[3].parent / "shared" / "data"
+EMPS, CASE = DATA / "emps" / "train.csv", DATA / "cases" / "drive-gap-in-log" / "whole.csv"
 TRUTH = np.array([90.0, 190.0, 22.0, -3.0])
 GAIN = 35.0
 SEEDS = 20
@@ -166,6 +167,26 @@ def test_motion_in_one_direction_tells_their_sum_however_small_the_noise(sigma):
     assert estimate.status[2:] == ("unidentifiable", "unidentifiable")
     total, error = estimate.sum_of_frictions()
     assert abs(total - (TRUTH[2] + TRUTH[3])) < max(5 * error, 1e-3 * TRUTH[2])
+
+
+@pytest.mark.skipif(not CASE.is_file(), reason="the shared case of an axis is absent")
+def test_a_rest_before_motion_in_one_direction_tells_neither():
+    """At rest, friction is at least the offset's size, and a fit may end where it just is."""
+    log = read_axis_log(CASE)
+    rows = np.asarray(log.time) <= 0.8
+    begin = AxisLog(log.time[rows], log.voltage[rows], log.position[rows])
+    estimate = estimate_drive_axis(begin, gain=1.0)
+    assert estimate.status == ("identified", "identified", "unidentifiable", "unidentifiable")
+    total, _ = estimate.sum_of_frictions()
+    assert total == pytest.approx(1.5 - 0.1, rel=1e-4)
+
+
+@pytest.mark.parametrize("direction", [1, -1, 0])
+def test_which_way_an_axis_moves_is_known_beyond_its_noise(direction):
+    time, voltage = excitation()
+    way = np.cumsum(np.abs(voltage) if direction else voltage) * (direction or 1) * 1e-4
+    noisy = way + 1e-5 * np.random.default_rng(3).normal(size=way.size)
+    assert axis_record(AxisLog(time, voltage, noisy)).direction == direction
 
 
 def test_motion_in_both_directions_tells_each():
