@@ -6,7 +6,7 @@ from jaxtyping import Float
 from scdpr_jax.engines.led_stepping import Lead, thirds
 from scdpr_jax.robot.parameters import Robot
 from tuning.plan.led.following import Leader
-from tuning.plan.leg import Leg, places
+from tuning.plan.leg import Leg, led
 from tuning.plan.plan import Plan
 from tuning.plan.profile import Moment
 from tuning.plan.search.scenarios import FITTED, scenarios, starts
@@ -30,21 +30,18 @@ def planned(
         drives are led ahead of the lower carriage by what they do.
     """
     samples = int(np.ceil(leg.time / period - 1e-9))
-    every = places(leg, period / 4 * np.arange(4 * samples + 1))
-    lower, height = every.lower(coefficients), every.plain[0, :, 1]
-    lead = Lead(thirds(lower)[None], thirds(height)[None])
+    motion = led(leg, coefficients, period / 4 * np.arange(4 * samples + 1))
+    lead = Lead(*(thirds(own)[None] for own in motion.value.T))
     alone = scenarios(robot, FITTED)
     fitted = Leader(alone.robot)
-    motion = every.motion(coefficients)
     begins = motion.slope[None, :-1:2, 0]
     halves = fitted.steps(period / 2)
     end, (positions, _) = halves(starts(alone, leg), (lead, begins))
     middles = Moment(*(own[None, 2::4] for own in motion))
     volts = fitted.commands(positions[:, 1::2], middles)
-    led = np.stack([lower, height], axis=1)[::4]
     x = np.append(positions[0, ::2, 0], leg.end[0])
     radius = np.asarray(robot.drive.effective_radius)
-    way = led - led[0]
+    way = motion.value[::4] - motion.value[0]
     angle = np.stack([way[:, 0] + way[:, 1], way[:, 0] - way[:, 1]], axis=1) / radius
     if float(robot.drive.compliance):
         sampled_at = np.concatenate([positions[:, ::2], end.position[:, None]], axis=1)
@@ -55,7 +52,7 @@ def planned(
         angle += ahead[:, None] / radius
     return Plan(
         time=period * np.arange(samples + 1),
-        position=np.stack([x, height[::4]], axis=1),
+        position=np.stack([x, motion.value[::4, 1]], axis=1),
         angle=angle,
         feedforward=np.concatenate([volts, np.zeros((1, 2))]),
     )

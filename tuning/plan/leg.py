@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from scdpr_jax.robot.fields import si
-from tuning.plan.profile import Course, Moment, plain_moments, spline_moments
+from tuning.plan.profile import Course, Moment, plain_moments, spline_moments, spline_sums
 
 REST = 0.08
 """Time at the end of a leg in which the lower carriage already holds, and everything is to
@@ -59,30 +59,6 @@ class Places(NamedTuple):
     splines: Float[np.ndarray, "3 n splines"]
     """The splines [1; 1/s; 1/s²]."""
 
-    def lower(self, coefficients: Float[np.ndarray, " splines"]) -> Float[np.ndarray, " n"]:
-        """Where the lower carriage is led.
-
-        Args:
-            coefficients: Of the splines [m].
-
-        Returns:
-            Its positions [m].
-        """
-        return self.plain[0, :, 0] + self.splines[0] @ coefficients
-
-    def motion(self, coefficients: Float[np.ndarray, " splines"]) -> Moment:
-        """The led motion of lower carriage and height.
-
-        Args:
-            coefficients: Of the splines [m].
-
-        Returns:
-            Positions, velocities and accelerations [m; m/s; m/s²].
-        """
-        moved = self.plain.copy()
-        moved[..., 0] += self.splines @ coefficients
-        return Moment(*moved)
-
 
 def places(leg: Leg, time: Float[np.ndarray, " instants"]) -> Places:
     """A leg at some instants.
@@ -98,3 +74,21 @@ def places(leg: Leg, time: Float[np.ndarray, " instants"]) -> Places:
         np.stack(plain_moments(leg.course, time)),
         spline_moments(time, duration=leg.moving, count=leg.splines),
     )
+
+
+def led(
+    leg: Leg, coefficients: Float[np.ndarray, " splines"], time: Float[np.ndarray, " instants"]
+) -> Moment:
+    """The motion of lower carriage and height at some instants.
+
+    Args:
+        leg: The leg.
+        coefficients: Of its splines [m].
+        time: The instants [s].
+
+    Returns:
+        Positions, velocities and accelerations, a row for each instant [m; m/s; m/s²].
+    """
+    moved = np.stack(plain_moments(leg.course, time))
+    moved[..., 0] += spline_sums(coefficients, time, duration=leg.moving)
+    return Moment(*moved)

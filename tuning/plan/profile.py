@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from scdpr_jax import native
 
@@ -194,13 +194,42 @@ def spline_moments(
     Returns:
         Values [1] and two derivatives [1/s; 1/s²].
     """
+    columns, active = _active(time, duration, count)
+    made = np.zeros((3, time.size, count + 2 * _AT_ENDS))
+    for whole, own in zip(made, active, strict=True):
+        np.put_along_axis(whole, columns, own, axis=1)
+    return np.ascontiguousarray(made[..., _AT_ENDS:-_AT_ENDS])
+
+
+def spline_sums(
+    coefficients: Float[np.ndarray, " splines"],
+    time: Float[np.ndarray, " instants"],
+    *,
+    duration: float,
+) -> Float[np.ndarray, "3 instants"]:
+    """A deviation by splines at some instants, of which few are anywhere.
+
+    Args:
+        coefficients: Of all splines of a leg [m].
+        time: The instants [s].
+        duration: Time of the deviation [s].
+
+    Returns:
+        Its values [m] and two derivatives [m/s; m/s²].
+    """
+    columns, active = _active(time, duration, coefficients.size)
+    own = np.pad(coefficients, _AT_ENDS)[columns]
+    return np.stack([np.sum(own * part, axis=1) for part in active])
+
+
+def _active(
+    time: Float[np.ndarray, " instants"], duration: float, count: int
+) -> tuple[Int[np.ndarray, "instants active"], Moment]:
+    """`splines` at some instants, and which of them these are, counted with those left out."""
     about = (np.array([duration]), np.array([float(count)]))
     _, (first, active) = native.Runs(_spline_rows, about)((), time[None])
     columns = first[0].astype(int)[:, None] + (np.arange(ACTIVE) + _AT_ENDS)
-    made = np.zeros((3, time.size, count + 2 * _AT_ENDS))
-    for whole, own in zip(made, active, strict=True):
-        np.put_along_axis(whole, columns, own[0], axis=1)
-    return np.ascontiguousarray(made[..., _AT_ENDS:-_AT_ENDS])
+    return columns, Moment(*(own[0] for own in active))
 
 
 def _spline_rows(

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from scdpr_jax.numerics.merit import Merit
 from tuning.plan.search.grid import Grid
-from tuning.plan.search.rehearsal import Rehearsal
+from tuning.plan.search.rehearsal import Rehearsal, Steps, steps_of
 from tuning.plan.search.team import Team
 
 VIBRATION = 0.067e-3
@@ -80,12 +80,16 @@ class Misfit:
     """The leg on its steps."""
 
     @functools.cached_property
+    def _steps(self) -> Steps:
+        return steps_of(self.team, self.grid)
+
+    @functools.cached_property
     def _rehearsal(self) -> Rehearsal:
-        return Rehearsal(self.team, self.grid, sloping=False)
+        return Rehearsal(self.team, self.grid, self._steps, sloping=False)
 
     @functools.cached_property
     def _sloping(self) -> Rehearsal:
-        return Rehearsal(self.team, self.grid, sloping=True)
+        return Rehearsal(self.team, self.grid, self._steps, sloping=True)
 
     @functools.cached_property
     def _residuals(self) -> Residuals:

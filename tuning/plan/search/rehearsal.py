@@ -5,13 +5,14 @@ runs read and write is laid out once.
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import jax
 import numpy as np
 from jaxtyping import Float
 
 from scdpr_jax.engines.led_stepping import Lead, Undriven
-from scdpr_jax.native import Held, Slopes
+from scdpr_jax.native import Held, Runs, Slopes
 from tuning.plan.led.servo import Deviation, Led
 from tuning.plan.search.grid import Grid, Way
 from tuning.plan.search.scenarios import goals, shifts, starts
@@ -22,23 +23,50 @@ _CALM = Deviation(np.zeros((1, 1)), np.zeros((1, 1)))
 """Tangents of a start that no spline moves."""
 
 
+class Steps(NamedTuple):
+    """Steps of a team along a leg."""
+
+    first: Runs
+    """Of the robot whose dynamics are inverted."""
+    others: Runs | None
+    """Of those under its feed-forward, if there are some."""
+
+
+def steps_of(team: Team, grid: Grid) -> Steps:
+    """Steps of a team along a leg.
+
+    Args:
+        team: The robots.
+        grid: The leg on its steps.
+
+    Returns:
+        The steps, for rehearsals with slopes and without.
+    """
+    shifted = shifts(team.robots, grid.leg)[1:]
+    return Steps(
+        team.leader.steps(grid.duration),
+        team.followers and team.followers.steps(grid.duration, shifted),
+    )
+
+
 class Rehearsal:
     """A team on a leg. What it shows is of the last motion that it was led along."""
 
-    def __init__(self, team: Team, grid: Grid, *, sloping: bool):
+    def __init__(self, team: Team, grid: Grid, steps: Steps, *, sloping: bool):
         """Nothing runs yet.
 
         Args:
             team: The robots.
             grid: The leg on its steps.
+            steps: `steps_of` both.
             sloping: Whether derivatives by the coefficients of the splines are wanted, too,
                 which everything that is called a slope has along its last axis.
         """
         self._team, self._grid, self._sloping = team, grid, sloping
         self.way = Way(grid)
         """Where they are led."""
-        self._first = self._leading()
-        self._others = self._following() if team.followers is not None else None
+        self._first = self._leading(steps.first)
+        self._others = steps.others and self._following(steps.others)
         self._looked_at = np.empty((1, grid.commanded.size, 3))
         self._commanding = team.leader.commanding.held(
             (), (self._looked_at, self.way.commanded)
@@ -59,16 +87,15 @@ class Rehearsal:
             ]
         self._arriving = team.arriving.arrivals.held((), self._told, along=along)
 
-    def _leading(self) -> Held:
+    def _leading(self, steps: Runs) -> Held:
         """The robot whose dynamics are inverted."""
         grid, way, along = self._grid, self.way, None
         if self._sloping:
             along = Slopes(_STILL, (Lead(grid.along[None], None), None))
         start = Undriven(*(own[:1] for own in starts(self._team.robots, grid.leg)))
-        steps = self._team.leader.steps(grid.duration)
         return steps.held(start, (way.lead, way.velocity), along=along, begun=grid.begun)
 
-    def _following(self) -> Held:
+    def _following(self, steps: Runs) -> Held:
         """The others, under what pulls at the first one."""
         team, grid, along = self._team, self._grid, None
         _, (_, force) = self._first.results
@@ -78,7 +105,6 @@ class Rehearsal:
             along = Slopes((_STILL, _CALM), moved)
         start = Undriven(*(own[1:] for own in starts(team.robots, grid.leg)))
         calm = np.zeros(len(start.position))
-        steps = team.followers.steps(grid.duration, shifts(team.robots, grid.leg)[1:])
         return steps.held(
             (start, Deviation(calm, calm)),
             Led(self.way.lead, self.way.velocity, force),
