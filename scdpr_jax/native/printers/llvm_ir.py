@@ -129,8 +129,8 @@ class _Printer:
     """Prints the blocks of one program."""
 
     def __init__(self, program: Program, lanes: int):
-        self.program, self.alone = program, lanes == 1
-        self.types, self.words = _types(lanes), _words(lanes)
+        self.program, self.lanes, self.alone = program, lanes, lanes == 1
+        self.types = _types(lanes)
         self.numbers = itertools.count()
         self.free = itertools.count(first_free(program.body))
 
@@ -164,7 +164,7 @@ class _Printer:
                         yield f"br label %end{n}"
                     yield f"end{n}:"
                 case Loop(counter, times, body):
-                    count = self._operation(counter, "counter", f"%k{n}")
+                    count = _line(counter, "counter", f"%k{n}", lanes=self.lanes)
                     inside = itertools.chain([count], self._block(body, tangent))
                     yield from loop(f"k{n}", str(times), inside)
                 case Each(body) if self.alone:
@@ -203,55 +203,44 @@ class _Printer:
         """A loop's operations for a register of tangents of a robot alone."""
         yield f"{register}.first = mul i64 {register}, {ABREAST}"
         own = {operation.target for operation in body}
-        names: dict[Value | Cell, str] = {}
+        names: dict[Value, str] = {}
         for value in dict.fromkeys(value for operation in body for value in operation.sources):
             if isinstance(value, Variable) and value not in own:
                 names[value] = f"{register}.{value.number}"
                 yield _spread(names[value], _operand(value), self.types[value.boolean])
-        for operation in body:
-            yield from self._wide_statement(operation, names, f"{register}.first")
-
-    def _wide_statement(
-        self, operation: Operation, names: Mapping[Value | Cell, str], first: str
-    ) -> Iterator[str]:
-        """An operation for tangents side by side, of which the first one's place is told."""
-        n, real = next(self.numbers), _types(ABREAST)[False]
-        target, (source, *_) = operation.target, operation.sources
-        match operation.name:
-            case "write":
-                written = names.get(source) or _operand(source)
-                yield f"%at{n} = {self._place(target, first)}"
-                yield f"store {real} {written}, ptr %at{n}, align 8"
-            case "read" if source.each:
-                yield f"%at{n} = {self._place(source, first)}"
-                yield f"{_operand(target)} = load {real}, ptr %at{n}, align 8"
-            case "read":
-                kind = self.types[target.boolean]
-                yield f"%at{n} = {self._place(source, '0')}"
-                yield f"%one{n} = load {kind}, ptr %at{n}, align 8"
-                yield _spread(_operand(target), f"%one{n}", kind)
-            case name:
-                given = (names.get(own) or _operand(own) for own in operation.sources)
-                yield _LINES[name].format(*given, target=_operand(target), **_words(ABREAST))
+        for each in body:
+            ends = each.target, each.name, each.sources
+            yield from self._statement(*ends, f"{register}.first", names, lanes=ABREAST)
 
     def _statement(
-        self, target: Variable | Cell, name: str, sources: tuple, tangent: str
+        self,
+        target: Variable | Cell,
+        name: str,
+        sources: tuple,
+        tangent: str,
+        names: Mapping[Value, str] | None = None,
+        *,
+        lanes: int | None = None,
     ) -> Iterator[str]:
-        n = next(self.numbers)
+        """An operation; of tangents side by side if there are more lanes than robots."""
+        n, lanes, names = next(self.numbers), lanes or self.lanes, names or {}
         match name:
             case "write":
-                kind = self.types[target.boolean]
+                (source,), kind = sources, _types(lanes)[target.boolean]
                 yield f"%at{n} = {self._place(target, tangent)}"
-                yield f"store {kind} {_operand(sources[0])}, ptr %at{n}, align 8"
+                written = names.get(source) or _operand(source)
+                yield f"store {kind} {written}, ptr %at{n}, align 8"
             case "read":
-                kind = self.types[target.boolean]
-                yield f"%at{n} = {self._place(sources[0], tangent)}"
-                yield f"{_operand(target)} = load {kind}, ptr %at{n}, align 8"
+                (cell,) = sources
+                own = lanes if cell.each else self.lanes
+                kind, to = _types(own)[target.boolean], _operand(target)
+                yield f"%at{n} = {self._place(cell, tangent)}"
+                yield f"{to if own == lanes else f'%one{n}'} = load {kind}, ptr %at{n}, align 8"
+                if own != lanes:
+                    yield _spread(to, f"%one{n}", kind)
             case _:
-                yield self._operation(target, name, *map(_operand, sources))
-
-    def _operation(self, target: Variable, name: str, *sources: str) -> str:
-        return _LINES[name].format(*sources, target=_operand(target), **self.words)
+                given = (names.get(source) or _operand(source) for source in sources)
+                yield _line(target, name, *given, lanes=lanes)
 
     def _place(self, cell: Cell, tangent: str) -> str:
         """Where a cell is: in which tangent's row of what array, and where there."""
@@ -283,6 +272,11 @@ def _words(lanes: int) -> Mapping[str, str]:
         "integer": f"<{lanes} x i64>",
         "firsts": f"<{lanes} x i32> zeroinitializer",
     }
+
+
+def _line(target: Variable, name: str, *sources: str, lanes: int) -> str:
+    """An operation of numbers of so many lanes."""
+    return _LINES[name].format(*sources, target=_operand(target), **_words(lanes))
 
 
 def _spread(target: str, one: str, kind: str) -> str:
