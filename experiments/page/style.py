@@ -10,7 +10,7 @@ from typing import ParamSpec, TypeVar
 
 import matplotlib
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -244,8 +244,8 @@ def fitting_columns(labels: Sequence[str], most: int) -> int:
 
 
 def thinned(
-    x: Float[Array | np.ndarray, " n"],
-    y: Float[Array | np.ndarray, " n"],
+    x: Float[np.ndarray, " n"],
+    y: Float[np.ndarray, " n"],
     *,
     points: int = DRAWN_POINTS,
 ) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, " m"]]:

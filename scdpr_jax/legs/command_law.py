@@ -17,13 +17,15 @@ class Commands(eqx.Module):
 
     controller: Controller
     """The controller of both drives; a sample lasts its period."""
-    reference: Float[Array, "... samples 2"] = eqx.field(metadata=si("m", "x^*, y^*"))
+    reference: Float[Array | np.ndarray, "... samples 2"] = eqx.field(
+        metadata=si("m", "x^*, y^*")
+    )
     """Where the end-effector is to be, before shaping [m]."""
-    commanded: Float[Array, "... samples 2"] = eqx.field(metadata=si("m"))
+    commanded: Float[Array | np.ndarray, "... samples 2"] = eqx.field(metadata=si("m"))
     """Reference that the controller is given [m]."""
-    afterwards: Bool[Array, "... samples"]
+    afterwards: Bool[Array | np.ndarray, "... samples"]
     """The samples of rest that are judged: the commanded reference has ended."""
-    feedforward: Float[Array, "... samples 2"] | None = eqx.field(
+    feedforward: Float[Array | np.ndarray, "... samples 2"] | None = eqx.field(
         default=None, metadata=si("V")
     )
     """Commands that are added to the controller's [V]; None for none."""

@@ -1,12 +1,16 @@
 """Kinematics of the cable loop: rolls of the two driver pulleys and the end-effector."""
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
+
+_SUM_AND_DIFFERENCE = np.array([[1.0, 1.0], [1.0, -1.0]])
 
 
 def forward_kinematics(
-    motor_angles: Float[Array, "2"], pulley_radius: Float[Array, ""]
-) -> Float[Array, "2"]:
+    motor_angles: Float[Array | np.ndarray, "*rows 2"],
+    pulley_radius: Float[Array | np.ndarray, ""],
+) -> Float[Array | np.ndarray, "*rows 2"]:
     r"""Displacement of the end-effector for a roll of the driver pulleys, Eq. (2).
 
     $$ \Delta x_e = r (\Delta\alpha_1 + \Delta\alpha_2) / 2, \qquad
@@ -21,8 +25,7 @@ def forward_kinematics(
     Returns:
         Displacement $[\Delta x_e, \Delta y_e]$ [m].
     """
-    first, second = motor_angles
-    return pulley_radius / 2 * jnp.stack([first + second, first - second])
+    return pulley_radius / 2 * (motor_angles @ _SUM_AND_DIFFERENCE)
 
 
 def inverse_kinematics(

@@ -6,9 +6,10 @@ refinement gives the upper one its own. So refinements are replaced last, and a 
 flat record of numbers.
 """
 
+import functools
 from typing import Any
 
-import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -49,9 +50,18 @@ def replace(robot: Robot, values: dict[str, Any]) -> Robot:
     Raises:
         ValueError: If a name is unknown.
     """
+    leaves, structure = jax.tree.flatten(robot)
     refining = {refinement.name for refinement in REFINEMENTS}
     for name, number in sorted(values.items(), key=lambda item: item[0] in refining):
-        leaves = quantity(name).leaves
-        number = jnp.asarray(number, dtype=leaves(robot)[0].dtype)
-        robot = eqx.tree_at(leaves, robot, (number,) * len(leaves(robot)))
-    return robot
+        places = _places(structure, name)
+        number = jnp.asarray(number, dtype=leaves[places[0]].dtype)
+        for place in places:
+            leaves[place] = number
+    return jax.tree.unflatten(structure, leaves)
+
+
+@functools.cache
+def _places(structure: jax.tree_util.PyTreeDef, name: str) -> tuple[int, ...]:
+    """Which leaves of a robot a quantity sets."""
+    numbered = jax.tree.unflatten(structure, range(structure.num_leaves))
+    return quantity(name).leaves(numbered)

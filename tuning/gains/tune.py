@@ -1,5 +1,6 @@
 """From a fitted robot and its measured frequencies to gains and shapers."""
 
+import concurrent.futures
 import dataclasses
 import functools
 from collections.abc import Callable, Iterator
@@ -139,15 +140,19 @@ def tune(
     progress("gains that keep their margins", 0.0)
     within = admissible([setting.fitted.robot for setting in settings])
     optimum = _optimum(main, within, effort, progress.part(0.1, 0.7, "gains and shaper"))
-    progress("shapers of the regions", 0.7)
+    inner = progress.part(0.7, 0.95, "shapers of the regions, and legs as planned")
+    inner("", 0.0)
     seen = _seen(main, count=PREDICTED, seed=_TOLD)
-    controller, shapers, legs = _never_worse(settings, main, seen, optimum)
+    some = seen.legs.rows(np.arange(effort.planned))
+    plans = functools.partial(planned_legs, main.fitted.robot, legs=some, progress=inner)
+    with concurrent.futures.ThreadPoolExecutor(1) as aside:
+        # Gains are seldom given up, so legs are planned under them meanwhile.
+        planned = aside.submit(plans, optimum.controller)
+        controller, shapers, legs = _never_worse(settings, main, seen, optimum)
+        if controller is not optimum.controller:
+            planned = aside.submit(plans, controller)
     if effort.planned:
-        some = seen.legs.rows(np.arange(effort.planned))
-        inner = progress.part(0.8, 0.95, "legs as planned")
-        inner("", 0.0)
-        planned = planned_legs(main.fitted.robot, controller, some, progress=inner)
-        legs = dataclasses.replace(legs, planned=planned)
+        legs = dataclasses.replace(legs, planned=planned.result())
     progress("manoeuvres before and after", 0.95)
     here = next(s for s in shapers if s.region == main.cells[_reference(main)].region)
     predicted = predict(main.fitted.robot, controller, here.shaper, leg_times=leg_times)

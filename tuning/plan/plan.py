@@ -2,8 +2,6 @@
 
 import dataclasses
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -44,9 +42,8 @@ class Plan:
         Returns:
             $[q_3, y_e]$ [m].
         """
-        turned = jax.vmap(forward_kinematics, in_axes=(0, None))
-        way = turned(jnp.asarray(self.angle), robot.drive.effective_radius)
-        return self.position[-1] + np.asarray(way) - np.asarray(way[-1])
+        way = forward_kinematics(self.angle, np.asarray(robot.drive.effective_radius))
+        return self.position[-1] + way - way[-1]
 
     def commands(self, robot: Robot, controller: PD, *, rest: float) -> Commands:
         """The plan as a robot is told it.
@@ -61,13 +58,13 @@ class Plan:
         """
         more = ((0, round(rest / float(controller.period))), (0, 0))
         reference, driven, feedforward = (
-            jnp.asarray(np.pad(part, more, mode="edge"))
+            np.pad(part, more, mode="edge")
             for part in (self.position, self.driven(robot), self.feedforward)
         )
         return Commands(
             controller=controller,
             reference=reference,
             commanded=driven,
-            afterwards=jnp.arange(len(reference)) >= self.time.size - 1,
+            afterwards=np.arange(len(reference)) >= self.time.size - 1,
             feedforward=feedforward,
         )

@@ -54,10 +54,11 @@ def inline_svg(figure: Figure, *, name: str, description: str) -> str:
     file = io.StringIO()
     # Text as text, and identifiers that don't change from one run to the next.
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
-        _lay_out(figure)
         # A figure that comes from another process has no canvas, which knows sizes of words.
         FigureCanvasAgg(figure)
         how = cut(figure)
+        if how is None:
+            _lay_out(figure)
         # Not `savefig`, which draws everything twice.
         FigureCanvasSVG(figure).print_svg(file, metadata={"Date": None})
     text = _OUTER.sub("", file.getvalue(), count=1)

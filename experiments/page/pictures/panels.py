@@ -18,6 +18,8 @@ NARROW = 5.3
 
 _POINTS = 72.0
 """Units of a drawing in an inch."""
+_BESIDE, _ABOVE = 0.75, 0.75
+"""Room for what is written beside and about a panel's axes [inch]."""
 _EDGE = 2.0
 """Room about a panel [units]."""
 
@@ -45,7 +47,7 @@ class Cut(NamedTuple):
 
 
 def cut(figure: Figure) -> Cut | None:
-    """Where to cut a figure that has been laid out; its parts are named for it.
+    """Where to cut a figure; its parts are named for it, and its panels spread out.
 
     Args:
         figure: The figure.
@@ -57,6 +59,7 @@ def cut(figure: Figure) -> Cut | None:
     axes = [each for each in figure.axes if each.get_visible()]
     if figure.get_figwidth() <= NARROW or not _separable(figure, axes):
         return None
+    _spread(figure, axes)
     above = [*filter(None, [figure._suptitle]), *figure.legends]
     panels = []
     for number, part in enumerate((*above, *axes)):
@@ -105,6 +108,26 @@ def _separable(figure: Figure, axes: Sequence[Axes]) -> bool:
         and len(grids) == 1
         and all(map(_on_a_grid, axes))
     )
+
+
+def _spread(figure: Figure, axes: Sequence[Axes]) -> None:
+    """Give panels their sizes; where they lie is nothing to a figure that is cut.
+
+    A layout that fits them together would measure every word of theirs twice.
+    """
+    figure.set_layout_engine("none")
+    across, down = figure.get_size_inches()
+    grid = axes[0].get_gridspec()
+    grid.update(
+        left=0.0,
+        bottom=0.0,
+        right=1.0 - _BESIDE / across,
+        top=1.0 - _ABOVE / down,
+        wspace=_BESIDE / (across / grid.ncols - _BESIDE),
+        hspace=_ABOVE / (down / grid.nrows - _ABOVE),
+    )
+    for each in axes:
+        each.set_position(each.get_subplotspec().get_position(figure))
 
 
 def _area(axes: Axes, *, below: int) -> str:
