@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from experiments.page.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from experiments.page.theme import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
 
 class Coordinate(NamedTuple):
@@ -27,17 +27,17 @@ class Coordinate(NamedTuple):
 
 
 CAMERA: tuple[Coordinate, ...] = (
-    Coordinate("x_e", "xₑ", "mm", 1e3, BLUE, "o", "end-effector, horizontal"),
-    Coordinate("delta_e", "δₑ", "°", 180 / np.pi, VERMILION, "^", "end-effector, rotation"),
-    Coordinate("q_3", "q₃", "mm", 1e3, GREEN, "s", "lower carriage"),
-    Coordinate("q_4", "q₄", "mm", 1e3, PURPLE, "D", "upper carriage"),
-    Coordinate("y_e", "yₑ", "mm", 1e3, ORANGE, "v", "end-effector, vertical"),
+    Coordinate("x_e", "xₑ", "mm", 1e3, BLUE.day, "o", "end-effector, horizontal"),
+    Coordinate("delta_e", "δₑ", "°", 180 / np.pi, VERMILION.day, "^", "end-effector, rotation"),
+    Coordinate("q_3", "q₃", "mm", 1e3, GREEN.day, "s", "lower carriage"),
+    Coordinate("q_4", "q₄", "mm", 1e3, PURPLE.day, "D", "upper carriage"),
+    Coordinate("y_e", "yₑ", "mm", 1e3, ORANGE.day, "v", "end-effector, vertical"),
 )
 """What the camera sees, in the order of the model's coordinates."""
 
 ENCODERS: tuple[Coordinate, ...] = (
-    Coordinate("alpha_1", "α₁", "°", 180 / np.pi, BLUE, "o", "driver pulley 1"),
-    Coordinate("alpha_2", "α₂", "°", 180 / np.pi, SKY, "s", "driver pulley 2"),
+    Coordinate("alpha_1", "α₁", "°", 180 / np.pi, BLUE.day, "o", "driver pulley 1"),
+    Coordinate("alpha_2", "α₂", "°", 180 / np.pi, SKY.day, "s", "driver pulley 2"),
 )
 """What the encoders see."""
 

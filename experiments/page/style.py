@@ -17,15 +17,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
+from experiments.page import theme
 from experiments.page.number_text import plain
 
-BLACK, GREY = "#1a1a1a", "#6e6e6e"
-ORANGE, SKY, GREEN, YELLOW = "#e69f00", "#56b4e9", "#009e73", "#f0e442"
-BLUE, VERMILION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
-"""The palette of Okabe and Ito, which the colour-blind can tell apart."""
+BLACK, GREY = theme.INK.day, theme.GREY.day
+ORANGE, SKY, GREEN = theme.ORANGE.day, theme.SKY.day, theme.GREEN.day
+BLUE, VERMILION, PURPLE = theme.BLUE.day, theme.VERMILION.day, theme.PURPLE.day
+"""What figures are drawn in, by day: `themed` makes them fit for the night, too."""
 
-RED_WORDS = "#b04a00"
-"""Vermilion for words, which need more contrast than lines."""
+RED_WORDS = theme.RED_WORDS.day
+"""Vermilion for words."""
 
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 """Colours of unnamed series, in order."""
@@ -59,7 +60,7 @@ _SETTINGS = {
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-4, 5),
     "axes.unicode_minus": True,
-    "grid.color": "#e3e3e3",
+    "grid.color": theme.GRID.day,
     "grid.linewidth": 0.7,
     "lines.linewidth": 1.5,
     "legend.frameon": False,

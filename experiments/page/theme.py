@@ -28,21 +28,30 @@ BAD = Shade("bad", "#a33f00", "#ff9a5c")
 TEXTS: tuple[Shade, ...] = (INK, SOFT, GOOD, CARE, BAD)
 """What words are written in, on `PAPER` and on `PANEL`."""
 
+GREY, GRID = Shade("d-grey", "#6e6e6e", "#a9b1b9"), Shade("d-grid", "#e3e3e3", "#343a41")
+ORANGE, SKY = Shade("d-orange", "#e69f00", "#f2b533"), Shade("d-sky", "#56b4e9", "#7cc8f2")
+GREEN, BLUE = Shade("d-green", "#009e73", "#3ccba0"), Shade("d-blue", "#0072b2", "#4aa8e8")
+VERMILION = Shade("d-red", "#d55e00", "#ff8a3d")
+PURPLE = Shade("d-purple", "#cc79a7", "#e39ac4")
+RED_WORDS = Shade("d-word", "#b04a00", "#ff9a5c")
+"""Vermilion for words, which need more contrast than lines."""
+
 DRAWN: tuple[Shade, ...] = (
-    Shade("d-grey", "#6e6e6e", "#a9b1b9"),
-    Shade("d-grid", "#e3e3e3", "#343a41"),
+    GREY,
+    GRID,
     Shade("d-band", "#ececec", "#2b3036"),
     Shade("d-steel", "#d9d9d9", "#4a5158"),
     Shade("d-body", "#cfe3f1", "#28455c"),
-    Shade("d-orange", "#e69f00", "#f2b533"),
-    Shade("d-sky", "#56b4e9", "#7cc8f2"),
-    Shade("d-green", "#009e73", "#3ccba0"),
-    Shade("d-blue", "#0072b2", "#4aa8e8"),
-    Shade("d-red", "#d55e00", "#ff8a3d"),
-    Shade("d-purple", "#cc79a7", "#e39ac4"),
-    Shade("d-word", "#b04a00", "#ff9a5c"),
+    ORANGE,
+    SKY,
+    GREEN,
+    BLUE,
+    VERMILION,
+    PURPLE,
+    RED_WORDS,
 )
-"""What lines and areas of figures are drawn in; the last for words beside a red line."""
+"""What lines and areas of figures are drawn in: the palette of Okabe and Ito, which the
+colour-blind can tell apart, and greys."""
 
 SHADES: tuple[Shade, ...] = (*TEXTS, PAPER, PANEL, LINE, *DRAWN)
 """Every colour that changes between day and night."""

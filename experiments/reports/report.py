@@ -22,10 +22,10 @@ from experiments.reports.calibration.heat_tables import (
 )
 from experiments.reports.calibration.influence_tables import influence_tables
 from experiments.reports.calibration.knock_table import knock_table_with_fft
-from experiments.reports.drive_report import write_drive_report as write_drive_report
 from experiments.reports.model_tables import measured_tables, model_tables, moved_table
 from experiments.reports.parameter_table import parameter_row
-from experiments.reports.tuning_section import tuning_film, tuning_pictures, tuning_tables
+from experiments.reports.tuning.pictures import tuning_film, tuning_pictures
+from experiments.reports.tuning.tables import tuning_tables
 from experiments.studies.findings.findings import Findings
 from experiments.studies.findings.influence import influence_sentences
 from experiments.studies.findings.models import combination_sentences

@@ -7,7 +7,7 @@ from rich.console import Console
 from experiments.page.console_text import print_lines, print_table, print_text
 from experiments.reports.calibration.influence_tables import influence_tables
 from experiments.reports.calibration.knock_table import knock_table
-from experiments.reports.drive_report import (
+from experiments.reports.drive.words import (
     axis_rows,
     axis_sentences,
     axis_verdict,
@@ -20,7 +20,7 @@ from experiments.reports.model_tables import (
     profile_table,
 )
 from experiments.reports.parameter_table import parameter_row, parameters_table
-from experiments.reports.tuning_section import tuning_tables
+from experiments.reports.tuning.tables import tuning_tables
 from experiments.studies.findings.findings import Findings
 from experiments.studies.findings.influence import influence_sentences
 from experiments.studies.findings.parameters import estimated

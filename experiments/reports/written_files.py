@@ -1,9 +1,10 @@
-"""The files of a calibration and of a tuning, each by its name."""
+"""The files of a calibration, each by its name."""
 
 import dataclasses
 import pathlib
 
 from experiments.reports.report import FitPictures, write_report
+from experiments.reports.tuning.files import TuningFiles, write_tuned
 from experiments.studies.findings.findings import Findings
 from experiments.studies.runs_file import runs_table
 from identification.knocks.frequency_map import write_frequencies
@@ -11,24 +12,6 @@ from identification.result.parameters_file import write_parameters
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.numerics.progress import SILENT, Progress
 from scdpr_jax.provenance import made_today
-from tuning.export import write_exports
-from tuning.result.document import write_tuning
-from tuning.result.tuning import Tuning
-
-
-@dataclasses.dataclass(frozen=True)
-class TuningFiles:
-    """Where a tuning was written."""
-
-    tuning: pathlib.Path
-    """The tuning, `tuning.json`."""
-    exports: tuple[pathlib.Path, ...]
-    """The same as other programs run it."""
-
-    @property
-    def paths(self) -> tuple[pathlib.Path, ...]:
-        """All of them, `tuning.json` first."""
-        return (self.tuning, *self.exports)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,21 +87,3 @@ def write_calibration(
     return CalibrationFiles(
         report, parameters, runs, out / "frequencies.csv" if mapped else None, tuning
     )
-
-
-def write_tuned(out: pathlib.Path, tuning: Tuning) -> TuningFiles:
-    """Write `tuning.json`, and beside it the tuning as other programs run it.
-
-    Args:
-        out: The folder; the other programs' files go into its `export`.
-        tuning: The tuning.
-
-    Returns:
-        The files.
-
-    Raises:
-        ValueError: If the tuning has no fitted robot, or no shaper.
-    """
-    document = out / "tuning.json"
-    write_tuning(document, tuning)
-    return TuningFiles(document, tuple(write_exports(out / "export", tuning)))

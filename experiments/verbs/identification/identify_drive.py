@@ -20,7 +20,8 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
     """
     try_out(out / "parameters.json")
     set_up()
-    from experiments.reports import report, summary
+    from experiments.reports import summary
+    from experiments.reports.drive.report import write_drive_report
     from identification.axis.law import axis_laws
     from identification.axis.log import read_axis_log
     from identification.campaign.quantities import QuantityError, parse_quantity
@@ -43,7 +44,7 @@ def identify_drive(log: Folder, /, gain: str, out: pathlib.Path, delay_samples: 
         laws = axis_laws(read, gain=force, delay_samples=delay_samples)
     made = made_today(log.name, hash_of([log], log.parent))
     write_axis_parameters(out / "parameters.json", laws, provenance=made)
-    report.write_drive_report(out / "report.html", log=read, laws=laws)
+    write_drive_report(out / "report.html", log=read, laws=laws)
     summary.show_axis(OUT, laws)
     wrote(out / "parameters.json", out / "report.html")
     suggest(open_call(out / "report.html"))

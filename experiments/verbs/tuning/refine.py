@@ -40,7 +40,7 @@ def refine(
     try_out(out / "tuning.json")
     set_up()
     from experiments.page.console_text import print_table
-    from experiments.reports.written_files import write_tuned
+    from experiments.reports.tuning.files import write_tuned
     from experiments.studies.legs.logged_legs import logged_legs, read_runs
     from tuning.refinement.refine import refine as corrected
     from tuning.result.document import read_tuning

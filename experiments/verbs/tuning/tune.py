@@ -27,7 +27,7 @@ def tune(
     try_out(out / "tuning.json")
     set_up()
     from experiments.reports import summary
-    from experiments.reports.written_files import write_tuned
+    from experiments.reports.tuning.files import write_tuned
     from experiments.studies.posterior import draws_of
     from identification.knocks.frequency_map import read_frequencies
     from identification.result.parameters_file import read_parameters

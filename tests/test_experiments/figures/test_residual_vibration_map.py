@@ -9,7 +9,7 @@ from report_samples import tuning
 
 from experiments.figures.tuning.residual_vibration_map import residual_vibration_map
 from experiments.page.page import Pictures
-from experiments.reports.tuning_section import tuning_pictures
+from experiments.reports.tuning.pictures import tuning_pictures
 from experiments.studies.findings.tuning import between_the_cells_sentence, tuning_findings
 from scdpr_jax.robot.prototype import consistent
 from tuning.regions.residual_map import ResidualMap

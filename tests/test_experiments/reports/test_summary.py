@@ -7,7 +7,7 @@ from report_samples import TRUTH, campaign, estimate, frequencies, tuning
 from rich.console import Console
 
 from experiments.reports import summary
-from experiments.reports.drive_report import write_drive_report
+from experiments.reports.drive.report import write_drive_report
 from experiments.studies.findings.findings import findings
 from identification.axis.estimate import DOES_NOT_FIT, Change
 

@@ -11,6 +11,7 @@ from report_samples import campaign, estimate, frequencies, tuning
 
 import experiments.verbs
 from experiments.reports import written_files
+from experiments.reports.tuning import files
 from experiments.studies import pipeline
 from experiments.studies.findings.findings import findings
 from experiments.studies.findings.tuning import tuning_findings
@@ -57,7 +58,7 @@ def calls(monkeypatch, tmp_path, capsys, request):
         written_files, "write_report", lambda path, *findings, **content: path.write_text("")
     )
     # Nor do the programs for other machines, which take a minute to print.
-    monkeypatch.setattr(written_files, "write_exports", lambda folder, tuning: [])
+    monkeypatch.setattr(files, "write_exports", lambda folder, tuning: [])
     assert calibrate.calibrate(tmp_path / "campaign", tmp_path / "out") == 0
     lines = capsys.readouterr().out.splitlines()
     prefix = "next: "

@@ -8,7 +8,7 @@ from logged_legs import OFF, TRUE, campaign
 from tunings import plain
 
 from experiments.cli import main
-from experiments.reports import written_files
+from experiments.reports.tuning import files
 from experiments.verbs.exit_status import BAD_INPUT, DONE, FELL_SHORT
 from identification.campaign.write import write_campaign
 from scdpr_jax.robot.quantities import value
@@ -41,7 +41,7 @@ def test_the_corrected_tuning_is_nearer_to_the_rig_and_says_so(
     logs, tmp_path, capsys, monkeypatch
 ):
     # What other programs run is written as after `tune`; printing it takes a minute here.
-    monkeypatch.setattr(written_files, "write_exports", lambda folder, tuning: [folder])
+    monkeypatch.setattr(files, "write_exports", lambda folder, tuning: [folder])
     path = tuning(tmp_path, OFF)
     out = tmp_path / "refined"
     assert main(["refine", str(path), "--run", *runs(logs), "--out", str(out)]) == DONE

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import pytest
 
-from experiments.reports.written_files import write_tuned
+from experiments.reports.tuning.files import write_tuned
 from scdpr_jax.command.controller import published_pd
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.robot.parameters import exact

@@ -1,64 +1,23 @@
-"""The report of one motor-driven axis: one HTML file that needs nothing else."""
+"""What was found about a motor-driven axis, in words and as a table's rows."""
 
 import math
-import pathlib
 from collections.abc import Sequence
 
 import numpy as np
 
-from experiments.figures.identification.axis import axis_figure
 from experiments.page.number_text import percent, plain, readable_unit, rounded
-from experiments.page.page import Pictures, page, versions
-from experiments.reports.calibration.heat_tables import correlation_heat
 from experiments.reports.parameter_table import Row
 from identification.axis.estimate import DriveAxisEstimate
 from identification.axis.law import AxisLaws
-from identification.axis.log import AxisLog
-from scdpr_jax.numerics.files import write_whole
 
-_MEANING = {
+MEANING = {
     "mass": ("M", "", "moving mass, the motor's inertia with it"),
     "viscous": ("F", "v", "viscous friction"),
     "coulomb": ("F", "c", "Coulomb friction"),
     "offset": ("o", "", "constant force against the drive"),
     "viscous_difference": ("ΔF", "v", "viscous friction forwards minus backwards"),
 }
-
-
-def write_drive_report(path: pathlib.Path, *, log: AxisLog, laws: AxisLaws) -> None:
-    """Write the report of an axis, whole or not at all.
-
-    Args:
-        path: The file, replaced if it exists.
-        log: The axis's log.
-        laws: The usual friction law, and the extended one beside it.
-
-    Raises:
-        OSError: If the place can't be written to.
-    """
-    picture, estimate = Pictures(), laws.usual
-    text = page(
-        "drive.html.j2",
-        title="Identification of a motor-driven axis",
-        verdict=axis_verdict(laws),
-        notes=estimate.notes,
-        sentences=[*axis_sentences(estimate), *law_sentences(laws)],
-        rows=axis_rows(estimate),
-        pictures=[
-            picture(
-                axis_figure(log, estimate),
-                "The simulation runs open loop over the whole record, or from gap to gap: its "
-                "distance from the log is the law's own. Where the residual "
-                "grows, friction differs from what it is elsewhere.",
-            ),
-        ],
-        correlation=correlation_heat(
-            ["".join(_MEANING[name][:2]) for name in estimate.names],
-            np.asarray(estimate.correlation),
-        ),
-        provenance=[("samples", f"{log.time.size}"), *versions()],
-    )
-    write_whole(pathlib.Path(path), text)
+"""Symbol with its index, and what it is, of each quantity of an axis."""
 
 
 def axis_verdict(laws: AxisLaws) -> tuple[str, ...]:
@@ -83,7 +42,7 @@ def axis_verdict(laws: AxisLaws) -> tuple[str, ...]:
         )
     if estimate.changes:
         listed = "; ".join(
-            f"{_MEANING[change.name][2]} {plain(change.first, 3)} in the first half, "
+            f"{MEANING[change.name][2]} {plain(change.first, 3)} in the first half, "
             f"{plain(change.second, 3)} {readable_unit(estimate.units[change.name])} in the "
             "second"
             for change in estimate.changes
@@ -109,7 +68,7 @@ def axis_rows(estimate: DriveAxisEstimate) -> list[Row]:
         number = float(getattr(estimate.parameters, name))
         half = 1.96 * float(getattr(estimate.sigma, name))
         low, high = (float(end) for end in estimate.interval95[index])
-        base, lower_index, meaning = _MEANING[name]
+        base, lower_index, meaning = MEANING[name]
         known = math.isfinite(half)
         step = half if known else 1e-2 * abs(number)
         rows.append(

@@ -1,0 +1,1 @@
+"""What a report has of gains and shapers."""
