@@ -1,17 +1,19 @@
 """The files of a calibration, each by its name."""
 
+import concurrent.futures
 import dataclasses
 import pathlib
 
 from experiments.reports.report import FitPictures, write_report
 from experiments.reports.tuning.files import TuningFiles, write_tuned
 from experiments.studies.findings.findings import Findings
+from experiments.studies.findings.tuning import TuningFindings
 from experiments.studies.runs_file import runs_table
 from identification.knocks.frequency_map import write_frequencies
 from identification.result.parameters_file import write_parameters
 from scdpr_jax.numerics.files import write_whole
 from scdpr_jax.numerics.progress import SILENT, Progress
-from scdpr_jax.provenance import made_today
+from scdpr_jax.provenance import Provenance, made_today
 
 
 @dataclasses.dataclass(frozen=True)
@@ -71,19 +73,25 @@ def write_calibration(
         write_frequencies(findings.frequencies, out / "frequencies.csv", provenance=made)
     runs = out / "runs.csv"
     write_whole(runs, runs_table(findings.estimate.comparisons))
-    tuning = None
-    if findings.tuning is not None:
-        tuned = dataclasses.replace(findings.tuning.tuning, provenance=made)
-        tuning = write_tuned(out, tuned)
     report = out / "report.html"
-    write_report(
-        report,
-        findings,
-        title=f"Calibration of {findings.campaign.name}",
-        truth=truth,
-        pictures=pictures,
-        progress=progress,
-    )
-    return CalibrationFiles(
-        report, parameters, runs, out / "frequencies.csv" if mapped else None, tuning
-    )
+    with concurrent.futures.ThreadPoolExecutor(1) as aside:
+        # The planner's self-test is planned by machine code while figures are made.
+        tuning = aside.submit(_write_tuned, out, findings.tuning, made)
+        write_report(
+            report,
+            findings,
+            title=f"Calibration of {findings.campaign.name}",
+            truth=truth,
+            pictures=pictures,
+            progress=progress,
+        )
+    mapping = out / "frequencies.csv" if mapped else None
+    return CalibrationFiles(report, parameters, runs, mapping, tuning.result())
+
+
+def _write_tuned(
+    out: pathlib.Path, findings: TuningFindings | None, made: Provenance
+) -> TuningFiles | None:
+    if findings is None:
+        return None
+    return write_tuned(out, dataclasses.replace(findings.tuning, provenance=made))
