@@ -98,7 +98,9 @@ def _grouped(
     progress: Progress,
 ) -> list[list[Designed]]:
     """The designs that groups of starts end in."""
-    ends = iter(designer(search, list(itertools.chain.from_iterable(starts)), progress))
+    every = list(itertools.chain.from_iterable(starts))
+    # A single move time has none beside it, and one that is too short has no start.
+    ends = iter(designer(search, every, progress) if every else ())
     return [list(itertools.islice(ends, len(each))) for each in starts]
 
 

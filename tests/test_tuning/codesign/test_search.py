@@ -249,6 +249,19 @@ def test_a_move_that_the_drives_cant_do_is_refused(within, few_lanes):
         front(SEEN, within, move_times=(1.0,))
 
 
+def test_nothing_is_asked_for_where_no_search_has_a_start(within):
+    asked = []
+
+    def designer(search, starts, progress):
+        asked.append(len(starts))
+        return []
+
+    # Not even one shaper of the catalogue ends in a tenth of a second.
+    with pytest.raises(ValueError, match="too short for the drives"):
+        front(SEEN, within, move_times=(0.1,), designer=designer)
+    assert not asked
+
+
 def test_usual_move_times_begin_where_the_drives_just_can():
     times = usual_move_times(SEEN, count=4)
     assert list(times) == sorted(times)
