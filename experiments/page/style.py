@@ -37,6 +37,15 @@ WIDTH = 10.0
 DRAWN_POINTS = 700
 """Points of a drawn line: more than a column of the page has pixels to show."""
 
+WORDS_ON_COLOURS = {
+    "boxstyle": "round,pad=0.15",
+    "facecolor": "white",
+    "edgecolor": "none",
+    "alpha": 0.85,
+}
+"""What is behind words on a map: a stroke about letters would cover the line above, and by
+night leaves white ones on yellow."""
+
 _PHONE, _HANDLE, _LETTER = 345.0, 42.0, 6.2
 """Widths of a phone's column, of a legend's handle with its gaps and of a letter [points]."""
 
@@ -236,10 +245,9 @@ def fitting_columns(labels: Sequence[str], most: int) -> int:
         As many as are no wider than a panel, one at least.
     """
     for columns in range(most, 1, -1):
-        # Entries go down the columns.
-        rows = -(-len(labels) // columns)
-        stacks = [labels[first : first + rows] for first in range(0, len(labels), rows)]
-        if sum(_HANDLE + _LETTER * max(map(len, stack)) for stack in stacks) <= _PHONE:
+        # Entries go down the columns, the first of which are the longer ones.
+        stacks = np.array_split([len(label) for label in labels], columns)
+        if sum(_HANDLE + _LETTER * stack.max(initial=0) for stack in stacks) <= _PHONE:
             return columns
     return 1
 

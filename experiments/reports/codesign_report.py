@@ -195,8 +195,8 @@ def codesign_page(design: CoDesign, margins: MarginMap, *, name: str, caution: s
                     design.held_out,
                     chosen=design.chosen,
                 ),
-                "Left: what the worst tenth of the models vibrates after a move (solid, mean) "
-                "and the worst of all (dashed), over the move's time. Right: robots and poses "
+                "First: what the worst tenth of the models vibrates after a move (solid, mean) "
+                "and the worst of all (dashed), over the move's time. Then: robots and poses "
                 "that no design has seen, for the recommended move time; further to the left "
                 "is better.",
             ),

@@ -182,8 +182,8 @@ def plan_page(
                 leg(compared, leg_time=float(plan.time[-1]), voltage_limit=voltage_limit),
                 "The leg on the fitted robot: the distance covered along the straight line, "
                 "the distance from the target around the end of the reference (dotted), and "
-                "the commands of both drives. Lower right: the vibration after the leg on "
-                "robots that differ from it.",
+                "the commands of both drives. The last panel: the vibration after the leg "
+                "on robots that differ from it.",
             ),
         ],
         method=_METHOD,

@@ -107,6 +107,7 @@ def tables(design: SpectrumDesign) -> tuple[Table, Table]:
             (str(each.shaper.times.size), *_numbers(each.shaper, each.residual))
             for each in design.front
         ),
+        words=(),
     )
     return catalogue, front
 

@@ -17,14 +17,6 @@ from identification.knocks.frequency_map import FrequencyMap
 
 _LABELLED = 8
 """Knocks of a panel that have their frequency beside them; more would cover each other."""
-_LABEL = {
-    "boxstyle": "round,pad=0.15",
-    "facecolor": "white",
-    "edgecolor": "none",
-    "alpha": 0.85,
-}
-"""What is behind a label: a stroke about its letters would cover the line above."""
-"""So that words are read on every colour."""
 _FINEST = 1e-2
 """Error that a label's digits stand for at least [Hz]."""
 _WORDS = (0.19, 0.08)
@@ -154,7 +146,7 @@ def _label(
         fontsize=10,
         linespacing=1.1,
         color=style.BLACK,
-        bbox=_LABEL,
+        bbox=style.WORDS_ON_COLOURS,
         zorder=5,
     )
 

@@ -47,7 +47,9 @@ def pareto(
     )
     for name, one in spreads.items():
         value = np.sort(1e3 * np.asarray(one.measures.residual_vibration))
-        share = 100 * np.arange(1, value.size + 1) / value.size
+        # From no model on: a single one would be a point, which isn't drawn.
+        value = np.append(value[:1], value)
+        share = 100 * np.arange(value.size) / (value.size - 1)
         right.step(value, share, where="post", color=dashes[name][0])
     for axes in (left, right):
         axes.set_axisbelow(True)

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib import patheffects
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -17,8 +16,6 @@ _LEAST_SCALE = 0.05
 """Least end of the colours' scale [1]: what is left below a twentieth is all good."""
 _LEVELS = MaxNLocator(10)
 """Round levels, some ten of them."""
-_HALO = (patheffects.withStroke(linewidth=3, foreground="white"),)
-"""So that a mark is seen on every colour."""
 
 
 @style.styled
@@ -85,5 +82,6 @@ def _worst(axes: Axes, one: ResidualMap) -> None:
         ha="right" if right else "left",
         va="center",
         color=style.BLACK,
-        path_effects=_HALO,
+        bbox=style.WORDS_ON_COLOURS,
+        zorder=4,
     )

@@ -86,10 +86,16 @@ def _in_panels(text: str, how: Cut, spoken: str) -> str:
     """A figure's panels, on a grid where the page is wide enough for it."""
     # What clips a panel may stand in another one's element.
     rest = "\n".join(_CLIPS.findall(text))
+    widest = max(panel.box[2] for panel in how.panels if not panel.wide)
     pieces = []
     for panel, group in parts(text, how.panels):
         box = " ".join(f"{number:.2f}" for number in panel.box)
-        style = f"max-width: {_WIDEST * panel.box[2]:.0f}px; --area: {panel.area}"
+        # Below each other all have one scale, so that letters are of one size.
+        share = min(100 * panel.box[2] / widest, 100)
+        style = (
+            f"max-width: {_WIDEST * panel.box[2]:.0f}px; --area: {panel.area}; "
+            f"--share: {share:.1f}%"
+        )
         kind = ' class="wide"' if panel.wide else ""
         pieces.append(
             f'<svg viewBox="{box}" aria-hidden="true" style="{style}"{kind}>{rest}{group}</svg>'

@@ -113,7 +113,7 @@ def _pictures(findings: TuningFindings, robot: Robot, picture: Pictures) -> Iter
             shaper_response(findings.shapers[first : first + _TOGETHER]),
             "Residual vibration of each shaper, over the frequency of the vibration. The "
             "shaded band is two standard errors wide on either side; a shaper that cancels the "
-            "vibration is close to zero inside it. Right: the impulses. Dashed: 5 %.",
+            "vibration is close to zero inside it; dotted: 5 %. The last panel: the impulses.",
         )
 
 
@@ -182,9 +182,10 @@ def _manoeuvre_pictures(tuning: Tuning, robot: Robot, picture: Pictures) -> Iter
                 path_in_space(
                     in_space(manoeuvre.run_before), in_space(manoeuvre.run_after), names=_NAMES
                 ),
-                f"{capitalised(manoeuvre.name)} in space. Left the reference and both ways, "
-                "the height enlarged where it hardly changes; right by how much they are off "
-                "in every direction, lag taken off: the smaller the cloud, the truer the way.",
+                f"{capitalised(manoeuvre.name)} in space. The path: the reference and both "
+                "ways, the height enlarged where it hardly changes. The deviation: by how much "
+                "they are off in every direction, lag taken off; the smaller the cloud, the "
+                "truer the way.",
                 seen=_manoeuvre_words(manoeuvre),
             )
 

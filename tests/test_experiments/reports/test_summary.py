@@ -62,7 +62,7 @@ def test_the_report_of_an_axis_needs_nothing_else_and_has_its_numbers(tmp_path):
     assert re.search("https?:", page) is None
     assert "1.20 mm rms" in page
     assert page.count("<svg") == 1
-    assert '<table class="heat">' in page
+    assert '<table class="heat few">' in page
     assert "203.5 N s/m, 95 % from 199.6 to 207.4 (identified)" in page
 
 

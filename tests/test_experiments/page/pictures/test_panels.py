@@ -34,6 +34,33 @@ def test_a_wide_figure_is_cut_into_its_panels_and_its_legend():
     assert legend[2] <= 362
 
 
+@style.styled
+def test_below_each_other_all_panels_have_the_scale_of_the_widest():
+    made, _ = style.panels(1, 2, height=2.0, widths=(2.0, 1.0))
+    svg = inline_svg(made, name="a", description="")
+    shares = [float(share) for share in re.findall(r"--share: ([\d.]+)%", svg)]
+    widths = [width for _, _, width, _ in boxes(svg)]
+    assert shares[0] == 100.0
+    assert shares[1] == pytest.approx(100 * widths[1] / widths[0], abs=0.06)
+
+
+@style.styled
+def test_a_legend_of_uneven_columns_is_no_wider_than_a_phone():
+    # Drawn in four columns its first three entries are below each other, the others by twos.
+    names = (
+        "optimised",
+        "zv",
+        "mzv",
+        "zvd",
+        "ei",
+        "zvdd",
+        "2hump_ei",
+        "3hump_ei",
+        "recommended",
+    )
+    assert style.fitting_columns(names, 4) == 3
+
+
 def test_all_panels_together_are_one_picture():
     svg = inline_svg(figure(1, 2), name="a", description="two <lines>")
     assert svg.startswith('<div class="panels" role="img" aria-label="two &lt;lines&gt;"')
