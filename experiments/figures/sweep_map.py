@@ -1,6 +1,7 @@
 """A sweep's map: every variable over its last two axes, or over its only one."""
 
 import itertools
+import textwrap
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,6 +15,8 @@ _PANELS = 12
 """Panels that a picture has at most."""
 _POINTS = 400
 """Points along an axis that are drawn at most: a panel has no more pixels."""
+_LETTERS = 34
+"""Letters of a title that reach from a panel's axis to the picture's edge."""
 
 
 @style.styled
@@ -60,7 +63,8 @@ def _panels(dataset: xr.Dataset, axes: int) -> Iterator[tuple[str, xr.DataArray]
 def _title(variable: xr.DataArray, at: dict[str, int]) -> str:
     """The variable's name with its labels, broken where it would leave its panel."""
     labels = (f"{name} {variable[name].values[place]}" for name, place in at.items())
-    return "\n".join([str(variable.name), *labels])
+    lines = (textwrap.fill(text, _LETTERS) for text in (str(variable.name), *labels))
+    return "\n".join(lines)
 
 
 def _draw(axes: Axes, values: xr.DataArray) -> None:

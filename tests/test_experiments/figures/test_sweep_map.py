@@ -33,3 +33,15 @@ def test_one_axis_is_a_line_and_of_three_the_first_stands_in_its_middle():
     dims = (("drive_inertia", 3), ("y", 3), ("x", 4))
     panel, _ = shown(sweep_map(swept(values, *dims), axes=3))
     assert "drive_inertia 2.0" in panel.get_title("left")
+
+
+def test_a_long_label_is_broken_and_stays_inside_the_picture():
+    long = "lower carrying the drives' inertia, upper free"
+    dataset = swept(np.ones((3, 4, 2)), ("y", 3), ("x", 4)).assign_coords(
+        condition=[long, long]
+    )
+    both = xr.concat([dataset, dataset], "condition")
+    figure = sweep_map(both, axes=2)
+    figure.draw_without_rendering()
+    for panel in shown(figure):
+        assert panel.get_tightbbox().x1 < figure.bbox.x1
