@@ -43,15 +43,6 @@ def run_comparison(comparison: Comparison) -> Figure:
         axes.xaxis.set_tick_params(labelbottom=True)
         axes.set_xlabel("time [s]")
     _legend(figure, seen)
-    if comparison.held_out:
-        figure.suptitle(
-            "not fitted",
-            color=style.RED_WORDS,
-            weight="bold",
-            ha="left",
-            x=0.01,
-            fontsize=11,
-        )
     return figure
 
 

@@ -60,18 +60,17 @@ def cut(figure: Figure) -> Cut | None:
     if figure.get_figwidth() <= NARROW or not _separable(figure, axes):
         return None
     _spread(figure, axes)
-    above = [*filter(None, [figure._suptitle]), *figure.legends]
     panels = []
-    for number, part in enumerate((*above, *axes)):
+    for number, part in enumerate((*figure.legends, *axes)):
         part.set_gid(f"part-{number}")
     boxes = dict(_cells(figure, axes))
-    for number, part in enumerate(above):
+    for number, part in enumerate(figure.legends):
         area = f"{number + 1} / 1 / {number + 2} / -1"
         box = _box(figure, _extent(figure, part))
         panels.append(Panel(f"part-{number}", box, area, wide=True))
-    for number, each in enumerate(axes, start=len(above)):
+    for number, each in enumerate(axes, start=len(figure.legends)):
         if each.axison:
-            area = _area(each, below=len(above))
+            area = _area(each, below=len(figure.legends))
             panels.append(Panel(f"part-{number}", _box(figure, boxes[each]), area, wide=False))
     return Cut(tuple(panels), _columns(axes))
 
@@ -99,15 +98,10 @@ def parts(drawing: str, panels: Sequence[Panel]) -> Iterator[tuple[Panel, str]]:
 
 def _separable(figure: Figure, axes: Sequence[Axes]) -> bool:
     """Whether a figure is made of panels on a grid, and of nothing besides."""
-    loose = (*figure.lines, *figure.patches, *figure.images, *figure.artists, *figure.subfigs)
-    named = figure.texts if figure._suptitle is None else figure.texts[1:]
+    marks = (*figure.lines, *figure.patches, *figure.images, *figure.artists)
+    loose = (*marks, *figure.texts, *figure.subfigs)
     grids = {id(each.get_gridspec()) for each in axes if each.get_subplotspec() is not None}
-    return (
-        len(axes) > 1
-        and not (loose or named)
-        and len(grids) == 1
-        and all(map(_on_a_grid, axes))
-    )
+    return len(axes) > 1 and not loose and len(grids) == 1 and all(map(_on_a_grid, axes))
 
 
 def _spread(figure: Figure, axes: Sequence[Axes]) -> None:

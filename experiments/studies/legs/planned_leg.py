@@ -78,7 +78,8 @@ def _words(variation: Variation) -> str:
     ]
     if variation.out_of_line:
         side = "ahead" if variation.out_of_line > 0 else "behind"
-        parts.append(f"lower carriage {abs(variation.out_of_line):g} μH {side} before")
+        share = f"{abs(variation.out_of_line):g} of what friction holds"
+        parts.append(f"lower carriage {side} by {share}")
     return ", ".join(parts) or "as fitted"
 
 

@@ -107,12 +107,6 @@ def test_every_panel_of_a_run_has_labels_with_units(camera):
     assert all("[" in axes.get_ylabel() for axes in shown)
 
 
-def test_a_run_that_was_not_fitted_is_marked():
-    marked = run_comparison(dataclasses.replace(comparison("a"), held_out=True))
-    assert any("not fitted" in text for text in texts(marked))
-    assert not any("not fitted" in text for text in texts(run_comparison(comparison("a"))))
-
-
 def test_drawing_changes_no_setting_of_the_caller():
     before = dict(matplotlib.rcParams)
     run_comparison(estimate().comparisons[3])

@@ -68,7 +68,7 @@ def shown_plan(out):
     planned = Planned(Leg((0.3, 0.55), (1.9, 0.55), 2.0), plan, plan, 1.5, left, left)
     moved = (tracking_run(swing=swing) for swing in (1e-3, 2e-3))
     runs = tuple(jax.tree.map(np.asarray, run) for run in moved)
-    names = ("as fitted", "lower carriage 0.3 μH ahead before")
+    names = ("as fitted", "lower carriage ahead by 0.3 of what friction holds")
     plan_report.show(out, planned, planned_leg.Compared(names, runs, runs), voltage_limit=10.0)
 
 
