@@ -67,11 +67,13 @@ def check_mass(
     mass = float(np.median([guess[0] for guess in guesses]))
     if not least <= mass <= most:
         length = record.log.position_unit
+        period = float(np.median(np.diff(np.asarray(record.log.time))))
         raise ValueError(
             f"the log's accelerations make the axis {mass:.3g} {unit}, expected {least:g} to "
-            f"{most:g} [{unit}], with a motion of {record.motion:.3g} {length} and a gain of "
-            f"{gain:g} {gains}. Check the unit in the header of `position` (metres under [mm] "
-            "make it a thousandfold), and `--gain`."
+            f"{most:g} [{unit}], with a sample every {period:.3g} s, a motion of "
+            f"{record.motion:.3g} {length} and a gain of {gain:g} {gains}. Check the units in "
+            "the header, of `t` (milliseconds under [s] make it a millionfold) and of "
+            "`position` (metres under [mm] a thousandfold), and `--gain`."
         )
 
 

@@ -68,7 +68,7 @@ def read_axis_log(path: pathlib.Path) -> AxisLog:
         )
     unit = table.units["position"]
     rotary = unit in TURN
-    position, period, wraps = continued(position, rotary=rotary)
+    position, period, wraps = continued(time, position, rotary=rotary)
     notes = ()
     if wraps:
         written = period / _COLUMNS[2].units[unit](np.ones(1))[0]

@@ -125,7 +125,7 @@ def axis_record(log: AxisLog) -> AxisRecord:
     time, position = np.asarray(log.time), np.asarray(log.position)
     period = float(np.median(np.diff(time)))
     lost = np.diff(time) > GAP * period
-    jumped = jumps(position) & ~lost
+    jumped = jumps(time, position) & ~lost
     edges = [0, *(np.flatnonzero(lost | jumped) + 1).tolist(), len(time)]
     spans = [(a, b) for a, b in itertools.pairwise(edges) if b - a >= SHORTEST]
     if not spans:
