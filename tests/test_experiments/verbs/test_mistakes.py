@@ -251,7 +251,7 @@ def test_22_metres_under_millimetres_are_told_before_the_fit(tmp_path, capsys):
     call = ("identify-drive", log, "--gain", "35 N/V", "--out", tmp_path / "out")
     text = told(capsys, *call)
     assert re.search(r"accelerations make the axis [5-9e+.0-9]+ kg, expected 0.0001 to", text)
-    assert "Check the unit in the header of `position`" in text
+    assert "of `position` (metres under [mm] a thousandfold)" in text
 
 
 @pytest.mark.parametrize("unit", ["Hz", "kHz", "rad/s"])
