@@ -53,13 +53,27 @@ def _stairs_jvp(primals, tangents):
     return stairs(*primals), 3 * tangents[0] * primals[0]
 
 
+@jax.custom_jvp
+def swelling(x, y):
+    return jnp.sin(x) * y
+
+
+@swelling.defjvp
+def _swelling_jvp(primals, tangents):
+    # The call makes values and tangents both, and those hang on x's alone.
+    (x, y), (along_x, along_y) = primals, tangents
+    wave, slope = jax.jvp(jax.jit(jnp.sin), (x,), (along_x,))
+    return wave * y, slope * y + wave * along_y
+
+
 FUNCTIONS = {
     "arithmetic": lambda x: (x[0] + x[1]) * x[2] / (2 + x[1] * x[1]) - x,
     "powers": lambda x: jnp.stack([x[0] ** 3, (2 + x[1]) ** -2, x[2] ** 0, x[0] ** 1]),
     "powers of reals": lambda x: jnp.abs(x) ** (1.5 + x[::-1]),
     "roots": lambda x: jnp.sqrt(1 + x * x) + jax.lax.rsqrt(2 + x),
     "circle": lambda x: jnp.sin(x) * jnp.cos(3 * x) + jnp.tan(x / 2),
-    "growth": lambda x: jnp.exp(-x * x) + jnp.log(2 + x) + jnp.tanh(x) + jax.nn.sigmoid(x),
+    "angles": lambda x: jnp.arctan(4 * x) + jnp.tanh(x),
+    "growth": lambda x: jnp.exp(-x * x) + jnp.log(2 + x) + jax.nn.sigmoid(x),
     "limits": lambda x: jnp.maximum(x, x[::-1]) - jnp.minimum(x, 0.25) + jnp.clip(x, -0.5, 0.5),
     "clamped": lambda x: jax.lax.clamp(-0.5, x, 0.5),
     "signs": lambda x: jnp.sign(x) * x + jnp.abs(x),
@@ -83,6 +97,7 @@ FUNCTIONS = {
     "counting": counted,
     "scans": scanned,
     "own derivative": lambda x: stairs(x) * x[::-1],
+    "own derivative's calls": lambda x: swelling(x, x[::-1]),
     "no derivative": lambda x: jax.lax.stop_gradient(x * x) * x,
     "checkpoints": lambda x: jax.checkpoint(jnp.sin)(x) * x,
 }

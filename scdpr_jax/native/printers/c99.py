@@ -25,8 +25,9 @@ _TERMS = {
     "eq": "{} == {}", "ne": "{} != {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}",
     "select": "{} ? {} : {}", "abs": "fabs({})", "sqrt": "sqrt({})", "round": "rint({})",
     "floor": "floor({})", "ceil": "ceil({})", "sin": "sin({})", "cos": "cos({})",
-    "tan": "tan({})", "exp": "exp({})", "log": "log({})", "tanh": "tanh({})",
-    "pow": "pow({}, {})", "power_of_two": "ldexp(1.0, (int){})", "any": "{}", "read": "{}",
+    "tan": "tan({})", "exp": "exp({})", "log": "log({})", "atan": "atan({})",
+    "tanh": "tanh({})", "pow": "pow({}, {})", "power_of_two": "ldexp(1.0, (int){})",
+    "any": "{}", "read": "{}",
 }  # fmt: skip
 _TYPES = {False: "double", True: "bool"}
 

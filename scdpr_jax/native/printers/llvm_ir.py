@@ -35,9 +35,8 @@ MOST_TANGENTS = 40
 """Tangents that a group's memory has room for, a multiple of `ABREAST`."""
 
 _INTRINSICS = {
-    **{
-        own: own for own in ("sqrt", "floor", "ceil", "sin", "cos", "tan", "exp", "log", "tanh")
-    },
+    **{own: own for own in ("sqrt", "floor", "ceil", "sin", "cos", "tan", "atan")},
+    **{own: own for own in ("exp", "log", "tanh")},
     "abs": "fabs",
     "round": "rint",
 }

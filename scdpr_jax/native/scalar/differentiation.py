@@ -170,6 +170,11 @@ def _of_tangent(scope: Scope, value: Value, _: tuple, along: tuple) -> Value:
     return _times(scope, along[0], slope)
 
 
+def _of_arc_tangent(scope: Scope, _: Value, of: tuple, along: tuple) -> Value:
+    square = scope.apply("mul", of[0], of[0])
+    return scope.apply("div", along[0], scope.apply("add", ONE, square))
+
+
 def _of_hyperbolic_tangent(scope: Scope, value: Value, _: tuple, along: tuple) -> Value:
     slope = scope.apply("sub", ONE, scope.apply("mul", value, value))
     return _times(scope, along[0], slope)
@@ -200,6 +205,7 @@ _PUSHED: Mapping[str, Callable[[Scope, Value, tuple, tuple], Value]] = {
     "sin": _of_sine,
     "cos": _of_cosine,
     "tan": _of_tangent,
+    "atan": _of_arc_tangent,
     "tanh": _of_hyperbolic_tangent,
     "pow": _of_power,
 }

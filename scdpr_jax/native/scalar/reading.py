@@ -6,12 +6,12 @@ not all lanes need go one way does both, and each number is selected, as `jax.vm
 """
 
 import functools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import jax
 import numpy as np
-from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, jaxpr_as_fun
+from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, Var, jaxpr_as_fun
 
 from scdpr_jax.native.scalar.arrays import ARRAYS, array, constants
 from scdpr_jax.native.scalar.program import Cell, Constant, Program, Value
@@ -71,16 +71,29 @@ def _evaluated(
     scope: Scope, closed: ClosedJaxpr, inputs: Sequence[np.ndarray]
 ) -> list[np.ndarray]:
     """What a jaxpr makes of arrays of values."""
-    values = dict(zip(closed.jaxpr.constvars, map(constants, closed.consts), strict=True))
-    values.update(zip(closed.jaxpr.invars, inputs, strict=True))
-
-    def of(atom: object) -> np.ndarray:
-        return constants(atom.val) if isinstance(atom, Literal) else values[atom]
-
+    values = _begun(closed, inputs)
     for equation in closed.jaxpr.eqns:
-        results = _results(scope, equation, [of(atom) for atom in equation.invars])
-        values.update(zip(equation.outvars, results, strict=True))
-    return [of(atom) for atom in closed.jaxpr.outvars]
+        _evaluate(scope, equation, values)
+    return [_of(atom, values) for atom in closed.jaxpr.outvars]
+
+
+_Values = dict[object, np.ndarray]
+"""Arrays of values by the variables of a jaxpr."""
+
+
+def _begun(closed: ClosedJaxpr, inputs: Sequence[np.ndarray]) -> _Values:
+    """What is known of a jaxpr before its equations."""
+    values = dict(zip(closed.jaxpr.constvars, map(constants, closed.consts), strict=True))
+    return values | dict(zip(closed.jaxpr.invars, inputs, strict=False))
+
+
+def _evaluate(scope: Scope, equation: JaxprEqn, values: _Values) -> None:
+    results = _results(scope, equation, [_of(atom, values) for atom in equation.invars])
+    values.update(zip(equation.outvars, results, strict=True))
+
+
+def _of(atom: object, values: _Values) -> np.ndarray:
+    return constants(atom.val) if isinstance(atom, Literal) else values[atom]
 
 
 def _results(scope: Scope, equation: JaxprEqn, inputs: list[np.ndarray]) -> list[np.ndarray]:
@@ -130,7 +143,8 @@ def _with_own_derivative(
 ) -> list[np.ndarray]:
     """What a function with a derivative of its own makes, with the slopes by all inputs.
 
-    JAX traces the derivative; it is read once for each number that comes in.
+    JAX traces the derivative. What of it holds along any tangent is read once, the rest once
+    for each number that comes in, as far as a tangent along that reaches.
     """
     values = _evaluated(scope, equation.params["call_jaxpr"], inputs)
     if not scope.chains:
@@ -141,12 +155,14 @@ def _with_own_derivative(
     given = {atom: x for atom, x in pairs if not isinstance(atom, Literal)}
     slopes = derivative(equation)
     chains: list[list[list]] = [[[] for _ in own.flat] for own in values]
+    with scope.without_chains():
+        along_unit = _linear(scope, slopes, [*given.values()])
     for i, x in enumerate(given.values()):
         for k, source in enumerate(x.flat):
-            along = [array([ZERO] * own.size, own.shape) for own in given.values()]
+            along = [_still(own) for own in given.values()]
             along[i].flat[k] = ONE
             with scope.without_chains():
-                rows = _evaluated(scope, slopes, [*given.values(), *along])
+                rows = along_unit(along)
             for row, chain in zip(rows, chains, strict=True):
                 for slope, own in zip(row.flat, chain, strict=True):
                     own.append((source, slope))
@@ -154,6 +170,43 @@ def _with_own_derivative(
         array(map(functools.partial(_chained, scope), made.flat, chain), made.shape)
         for made, chain in zip(values, chains, strict=True)
     ]
+
+
+def _linear(
+    scope: Scope, slopes: ClosedJaxpr, at: Sequence[np.ndarray]
+) -> Callable[[Sequence[np.ndarray]], list[np.ndarray]]:
+    """Tangents of results by those of inputs; all that hangs on no tangent is read at once."""
+    values = _begun(slopes, at)
+    tangents = slopes.jaxpr.invars[len(at) :]
+    moved, linear = set(tangents), []
+    for equation in slopes.jaxpr.eqns:
+        sources = [own for own in _variables(equation) if own in moved]
+        if sources:
+            moved.update(equation.outvars)
+            linear.append((equation, sources))
+        else:
+            _evaluate(scope, equation, values)
+
+    def push(along: Sequence[np.ndarray]) -> list[np.ndarray]:
+        own = values | dict(zip(tangents, along, strict=True))
+        for equation, sources in linear:
+            if any(x != ZERO for source in sources for x in own[source].flat):
+                _evaluate(scope, equation, own)
+            else:
+                own.update((out, _still(out.aval)) for out in equation.outvars)
+        return [_of(atom, own) for atom in slopes.jaxpr.outvars]
+
+    return push
+
+
+def _still(like: jax.core.ShapedArray) -> np.ndarray:
+    """No tangents."""
+    return array([ZERO] * like.size, like.shape)
+
+
+def _variables(equation: JaxprEqn) -> list[Var]:
+    """What an equation takes that isn't a literal, each once."""
+    return [*dict.fromkeys(own for own in equation.invars if not isinstance(own, Literal))]
 
 
 def _chained(scope: Scope, value: Value, slopes: list[tuple[Value, Value]]) -> Value:
@@ -183,14 +236,15 @@ def derivative(equation: JaxprEqn) -> ClosedJaxpr:
 
     Returns:
         The tangents of its results, from its inputs that aren't literals and tangents along
-        them.
+        them; each of its equations that takes a tangent is linear in all that it takes of
+        these, and makes nothing else.
     """
-    inputs = [*dict.fromkeys(own for own in equation.invars if not isinstance(own, Literal))]
+    inputs = _variables(equation)
     empty = jax.make_jaxpr(lambda: ())().jaxpr
     alone = empty.replace(invars=inputs, outvars=equation.outvars, eqns=[equation])
     function = jaxpr_as_fun(ClosedJaxpr(alone, ()))
     like = tuple(jax.ShapeDtypeStruct(own.aval.shape, own.aval.dtype) for own in inputs)
-    return jax.make_jaxpr(lambda at, along: jax.jvp(function, at, along)[1])(like, like)
+    return jax.make_jaxpr(lambda at, along: jax.linearize(function, *at)[1](*along))(like, like)
 
 
 def _branched(

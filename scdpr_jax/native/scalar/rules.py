@@ -137,7 +137,7 @@ def _equal(scope: Scope, a: Value, b: Value) -> Value:
 
 _PLAIN = (
     *("add", "sub", "mul", "div", "neg", "abs", "sqrt", "floor", "ceil"),
-    *("sin", "cos", "tan", "exp", "log", "tanh", "pow"),
+    *("sin", "cos", "tan", "atan", "exp", "log", "tanh", "pow"),
 )
 """Primitives that are an operation of the same name."""
 

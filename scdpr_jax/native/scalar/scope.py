@@ -34,7 +34,7 @@ _FOLDED: dict[str, Callable[..., float]] = {
     "eq": operator.eq, "ne": operator.ne, "not": operator.not_, "neg": operator.neg,
     "abs": abs, "round": round, "floor": math.floor, "ceil": math.ceil, "sqrt": math.sqrt,
     "sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log,
-    "tanh": math.tanh, "pow": math.pow,
+    "atan": math.atan, "tanh": math.tanh, "pow": math.pow,
 }  # fmt: skip
 BOOLEAN = frozenset({"lt", "le", "gt", "ge", "eq", "ne", "and", "or", "not", "any"})
 """Operations whose result is boolean."""
