@@ -124,8 +124,7 @@ def rest_to_rest(
             "moves at its ends needs its own `BezierLeg(control_points, duration)`."
         )
     start, end = real(start), real(end)
-    shares = jnp.asarray(profile, dtype=start.dtype)[:, None]
-    return BezierLeg(start[None] + shares * (end - start)[None], duration)
+    return BezierLeg(jnp.stack([start + c * (end - start) for c in profile]), duration)
 
 
 def _joined(legs: tuple[Trajectory, ...]) -> tuple[Trajectory, ...]:

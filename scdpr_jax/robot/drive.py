@@ -3,6 +3,7 @@ r"""The drive: servo-amplifier, motor, gearbox and driver pulley, Eq. (24), sect
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from scdpr_jax.robot.fields import real, si
@@ -42,7 +43,7 @@ def motor_current(drive: Drive, voltage: Float[Array, "*shape"]) -> Float[Array,
     return motor_torque(drive, voltage) / drive.torque_per_ampere
 
 
-def drive_gain(drive: Drive) -> Float[Array, ""]:
+def drive_gain(drive: Drive) -> Float[Array | np.ndarray, "..."]:
     r"""Angular acceleration per volt, $g = k_v / J$, the numerator of Eq. (24).
 
     Printed as $1/J$, with the angle in degrees: see `docs/errata.md`.
@@ -56,7 +57,7 @@ def drive_gain(drive: Drive) -> Float[Array, ""]:
     return drive.torque_per_volt / drive.inertia
 
 
-def drive_pole(drive: Drive) -> Float[Array, ""]:
+def drive_pole(drive: Drive) -> Float[Array | np.ndarray, "..."]:
     r"""Viscous pole of a bare drive, $p = b / J$, Eq. (24).
 
     Args:

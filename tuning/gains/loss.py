@@ -11,8 +11,8 @@ legs that are to be still at their end may follow later.
 import numpy as np
 from jaxtyping import Float
 
-from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.legs.share import COUNTS
+from tuning.result.prediction import LegsOutcome
 
 _UNSEEN = 0.3e-3
 """Vibration below which less is no better [m]."""
@@ -24,7 +24,7 @@ _RESTING = 3.0
 """Weight of resting further from the target [1]."""
 
 
-def loss(after: LegMeasures, before: LegMeasures) -> Float[np.ndarray, "..."]:
+def loss(after: LegsOutcome, before: LegsOutcome) -> Float[np.ndarray, "..."]:
     r"""How far laws are from what is wanted of them.
 
     $$ \overline{\log r} + 5\,\overline{\max(r - 1, 0)} + 3 \max(R - 1, 0) $$
@@ -32,7 +32,7 @@ def loss(after: LegMeasures, before: LegMeasures) -> Float[np.ndarray, "..."]:
     with $r$ the ratios of vibrations and $R$ that of the mean resting errors.
 
     Args:
-        after: Measures under the laws, the legs along the last axis.
+        after: What they come to under the laws, the legs along the last axis.
         before: Those of the same legs under Eq. (25) alone.
 
     Returns:
@@ -48,15 +48,15 @@ def loss(after: LegMeasures, before: LegMeasures) -> Float[np.ndarray, "..."]:
     )
 
 
-def ratios(after: LegMeasures, before: LegMeasures) -> Float[np.ndarray, "..."]:
+def ratios(after: LegsOutcome, before: LegsOutcome) -> Float[np.ndarray, "..."]:
     """Vibrations over the plain profile's, leg by leg.
 
     Args:
-        after: Measures under the laws.
+        after: What they come to under the laws.
         before: Those of the same legs under Eq. (25) alone.
 
     Returns:
         Ratios [1]; where both are too small to be seen there is little to tell.
     """
-    vibration = np.maximum(after.residual_vibration, _UNSEEN)
-    return np.maximum(vibration / np.maximum(before.residual_vibration, COUNTS), _LEAST)
+    vibration = np.maximum(after.vibration, _UNSEEN)
+    return np.maximum(vibration / np.maximum(before.vibration, COUNTS), _LEAST)

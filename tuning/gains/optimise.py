@@ -16,13 +16,14 @@ from jaxtyping import Array, Float
 
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
-from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.gains.cross_entropy import cross_entropy
 from tuning.gains.design import LONGEST, SPREAD, controller_of, searched_from, shaper_of
-from tuning.gains.legs import IMPULSES, Law, Legs, at_period, runs
+from tuning.gains.legs import IMPULSES, Law, Legs, at_period
 from tuning.gains.loss import loss
+from tuning.gains.outcome import outcome
 from tuning.loop.admissible import Admissible
+from tuning.result.prediction import LegsOutcome
 
 
 class Effort(NamedTuple):
@@ -53,7 +54,7 @@ def optimise(
     legs: Legs,
     within: Admissible,
     *,
-    before: LegMeasures,
+    before: LegsOutcome,
     frequency: float,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     seed: int = 0,
@@ -64,7 +65,7 @@ def optimise(
     Args:
         legs: The legs with their robots.
         within: Which gains are admissible.
-        before: Measures of the legs under Eq. (25) alone.
+        before: What the legs come to under Eq. (25) alone.
         frequency: Natural frequency that the shaper is for [Hz].
         effort: How much is spent.
         seed: Of the search's random numbers; the same seed finds the same design.
@@ -85,8 +86,7 @@ def optimise(
             _laws(jnp.asarray(designs), within),
         )
         tasks = legs.rows(np.tile(np.arange(crossed[1]), crossed[0]))
-        after = runs(tasks, laws)
-        return loss(jax.tree.map(lambda leaf: leaf.reshape(crossed), after), before)
+        return loss(outcome(tasks, laws).map(lambda own: own.reshape(crossed)), before)
 
     search = cross_entropy(
         losses,

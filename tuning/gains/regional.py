@@ -11,15 +11,16 @@ from jaxtyping import Array, Float, Int
 from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper, padded, residual_vibration
 from scdpr_jax.legs.command_law import unshaped
-from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.legs.random_legs import random_legs
 from scdpr_jax.legs.share import share
 from scdpr_jax.native import kept_jit
-from tuning.gains.legs import IMPULSES, Law, Legs, at_period, joined, legs_of, runs
+from tuning.gains.legs import IMPULSES, Law, Legs, at_period, joined, legs_of
 from tuning.gains.loss import loss
+from tuning.gains.outcome import outcome
 from tuning.gains.possible_robots import PossibleRobot
 from tuning.regions.cells import Cell
 from tuning.regions.residual_map import worst_in_band
+from tuning.result.prediction import LegsOutcome
 from tuning.result.regional_shaper import RegionalShaper, ResidualVibration
 from tuning.shapers.catalogue import CATALOGUE
 
@@ -149,7 +150,7 @@ def legs_anywhere(
 def choose(
     cells: Sequence[Cell],
     legs: Sequence[Legs],
-    before: Sequence[LegMeasures],
+    before: Sequence[LegsOutcome],
     controller: PD,
     tried: Candidates,
 ) -> list[RegionalShaper]:
@@ -158,7 +159,7 @@ def choose(
     Args:
         cells: The cells.
         legs: Legs that end in each.
-        before: Measures of these legs under Eq. (25) alone.
+        before: What these legs come to under Eq. (25) alone.
         controller: The gains.
         tried: The candidates.
 
@@ -169,16 +170,16 @@ def choose(
         (part, shaper) for part, own in zip(legs, tried.shapers, strict=True) for shaper in own
     ]
     parts, shapers = zip(*rows, strict=True)
-    after = runs(joined(parts), told(controller, shapers, legs=[*map(len, parts)]))
+    after = outcome(joined(parts), told(controller, shapers, legs=[*map(len, parts)]))
     count = len(legs[0])
     shape = len(cells), len(tried.names), count
-    each = jax.tree.map(lambda leaf: leaf.reshape(shape), after)
+    each = after.map(lambda own: own.reshape(shape))
     chosen, names, shares = [], [], []
     for number in range(len(cells)):
-        here = jax.tree.map(lambda leaf, number=number: leaf[number], each)
+        here = each.map(lambda own, number=number: own[number])
         losses = loss(here, before[number])
-        plain = np.broadcast_to(before[number].residual_vibration, shape[1:])
-        left = share(here.residual_vibration, plain)
+        plain = np.broadcast_to(before[number].vibration, shape[1:])
+        left = share(here.vibration, plain)
         # What is worse than plain comes after all that isn't, and what isn't finite last.
         order = np.lexsort((np.where(np.isfinite(losses), losses, np.inf), ~(left <= 1)))
         best = int(order[0])

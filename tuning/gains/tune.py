@@ -6,21 +6,20 @@ import functools
 from collections.abc import Callable, Iterator
 from typing import NamedTuple, Protocol, runtime_checkable
 
-import jax
 import numpy as np
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper
-from scdpr_jax.legs.measures import LegMeasures
 from scdpr_jax.legs.random_legs import random_legs
 from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot, exact
-from tuning.gains.legs import Legs, compile_runs, plain_law, runs
+from tuning.gains.legs import Legs, plain_law
 from tuning.gains.loss import loss
 from tuning.gains.manoeuvre import HEIGHT, LEG_TIMES, SPAN, predict, prediction_preparations
 from tuning.gains.notes import notes_of
 from tuning.gains.optimise import Effort, Optimum, optimise, scaled
+from tuning.gains.outcome import compile_outcome, outcome
 from tuning.gains.planned_legs import planned_legs
 from tuning.gains.possible_robots import Draws, PossibleRobot, possible_robots
 from tuning.gains.regional import (
@@ -36,7 +35,6 @@ from tuning.gains.regional import (
     told,
 )
 from tuning.loop.admissible import Admissible, admissible
-from tuning.loop.flexible_margins import compile_margins
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import MotorPlant
 from tuning.loop.worst_margins import margin_map, worst_margins
@@ -93,7 +91,7 @@ class _Seen(NamedTuple):
 
     legs: Legs
     cells: list[int]
-    before: LegMeasures
+    before: LegsOutcome
 
 
 def tune(
@@ -186,8 +184,7 @@ def preparations(
     """
     whole = exact(robot)
     drawn = random_legs(whole.frame, 2, seed=0)
-    yield functools.partial(compile_runs, whole, drawn)
-    yield functools.partial(compile_margins, whole, published_pd())
+    yield functools.partial(compile_outcome, whole, drawn)
     yield compile_catalogue
     yield from prediction_preparations(whole, leg_times=leg_times)
 
@@ -241,7 +238,7 @@ def _slower(main: _Setting, setting: _Setting) -> float:
 
 def _seen(setting: _Setting, *, count: int, seed: int) -> _Seen:
     legs, inside = legs_anywhere(setting.cells, setting.robots, count=count, seed=seed)
-    return _Seen(legs, inside, runs(legs, plain_law()))
+    return _Seen(legs, inside, outcome(legs, plain_law()))
 
 
 def _optimum(main: _Setting, within: Admissible, effort: Effort, progress: Progress) -> Optimum:
@@ -265,7 +262,7 @@ def _never_worse(
         legs_into(setting.cells, setting.robots, count=LEGS, seed=_CHOSEN)
         for setting in settings
     ]
-    plain = [[runs(part, plain_law()) for part in parts] for parts in into]
+    plain = [[outcome(part, plain_law()) for part in parts] for parts in into]
     for controller in (optimum.controller, published_pd()):
         every = candidates(main.cells, optimum.shaper)
         names = _best_kinds(main, seen, controller, every)
@@ -300,12 +297,12 @@ def _best_kinds(
     crossed = len(tried.names), len(seen.cells)
     every = seen.legs.rows(np.tile(np.arange(crossed[1]), crossed[0]))
     laws = told(controller, shapers, legs=[1] * len(shapers))
-    after = jax.tree.map(lambda leaf: leaf.reshape(crossed), runs(every, laws))
+    after = outcome(every, laws).map(lambda own: own.reshape(crossed))
     count = len(main.robots)
     by_robot = [
         loss(
-            jax.tree.map(lambda leaf, k=k: leaf[:, k::count], after),
-            jax.tree.map(lambda leaf, k=k: leaf[k::count], seen.before),
+            after.map(lambda own, k=k: own[:, k::count]),
+            seen.before.map(lambda own, k=k: own[k::count]),
         )
         for k in range(count)
     ]
@@ -320,9 +317,5 @@ def _predicted(
     """The legs under the chosen gains and shapers."""
     by_region = {shaper.region: shaper.shaper for shaper in shapers}
     own: list[Shaper] = [by_region[main.cells[cell].region] for cell in seen.cells]
-    after = runs(seen.legs, told(controller, own, legs=[1] * len(own)))
-    before, now = (
-        LegsOutcome(np.asarray(each.residual_vibration), np.asarray(each.resting_error))
-        for each in (seen.before, after)
-    )
-    return PredictedLegs(before, now, len(main.robots))
+    after = outcome(seen.legs, told(controller, own, legs=[1] * len(own)))
+    return PredictedLegs(seen.before, after, len(main.robots))

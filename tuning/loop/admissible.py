@@ -12,7 +12,7 @@ from scdpr_jax.command.controller import PD
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
-from tuning.loop.flexible_margins import FlexibleMargins, margins_over_workspace
+from tuning.loop.flexible_margins import FlexibleMargins, flexible_margins
 from tuning.loop.loop_shaping import shape_sampled_loop
 from tuning.loop.plant import MotorPlant, sampled_response
 from tuning.loop.responses import sampled_delay, sampled_derivative
@@ -113,9 +113,7 @@ def admissible(robots: Sequence[Robot], heights: Sequence[float] = ()) -> Admiss
     highest = alone - _SHORT_OF_END
 
     def slack(margin: Float[np.ndarray, " nodes"]) -> Float[np.ndarray, " nodes"]:
-        pds = jax.tree.map(np.asarray, _shaped(plant, crossover, margin))
-        each = [jax.tree.map(lambda leaf, i=i: leaf[i], pds) for i in range(_NODES)]
-        return np.array([_slack(margins_over_workspace(stacked, every, pd)) for pd in each])
+        return slack_of(flexible_margins(stacked, every, _shaped(plant, crossover, margin)))
 
     good, bad = highest, np.clip(_LOWEST, without + _SHORT_OF_END, highest)
     above, below = slack(good), slack(bad)
@@ -163,13 +161,21 @@ def _plant(robot: Robot) -> MotorPlant:
     return MotorPlant(gain=drive_gain(robot.drive), pole=drive_pole(robot.drive))
 
 
-def _slack(flexible: FlexibleMargins) -> float:
-    """By how much the worst loop keeps its margins, relative to what it must [1]."""
+def slack_of(flexible: FlexibleMargins) -> Float[np.ndarray, "*controllers"]:
+    """By how much the worst loop keeps its margins, relative to what it must.
+
+    Args:
+        flexible: Margins by controller, loop, robot and height.
+
+    Returns:
+        Slack under each controller [1].
+    """
     # A loop whose gain never reaches one has no phase margin, and none to worry about.
     phase = np.nan_to_num(flexible.margins.phase_margin, nan=np.inf)
     peak = flexible.margins.peak_sensitivity
     least = np.minimum(phase / PHASE_MARGIN, PEAK_SENSITIVITY / peak)
-    return float(np.min(np.where(flexible.spectral_radius < 1, least, 0.0))) - 1
+    kept = np.where(flexible.spectral_radius < 1, least, 0.0)
+    return np.min(kept, axis=(-3, -2, -1)) - 1
 
 
 @jax.jit

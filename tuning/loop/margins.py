@@ -12,7 +12,6 @@ from jaxtyping import Array, Complex, Float
 from scdpr_jax.command.controller import PD
 from scdpr_jax.native import kept_jit
 from scdpr_jax.robot.fields import si
-from tuning.loop.flexible_loop import FlexiblePlant, PlantOfPoles
 from tuning.loop.plant import MotorPlant
 from tuning.loop.responses import continuous_loop, sampled_loop
 
@@ -52,8 +51,8 @@ class Response(eqx.Module):
 
     loop: Callable[..., Complex[Array, ""]] = eqx.field(static=True)
     """From plant, controller and angular frequency to the open loop."""
-    plant: MotorPlant | FlexiblePlant | PlantOfPoles
-    """The drive, or the flexible robot."""
+    plant: MotorPlant
+    """The drive."""
     controller: PD
     """The controller."""
 

@@ -12,7 +12,7 @@ from scdpr_jax.command.controller import PD
 from scdpr_jax.robot.fields import si
 from scdpr_jax.robot.parameters import Robot
 from tuning.loop.flexible_loop import JOINT_LOOPS
-from tuning.loop.flexible_margins import FlexibleMargins, margins_over_workspace
+from tuning.loop.flexible_margins import FlexibleMargins, flexible_margins
 
 _HEIGHTS = 21
 """Heights that are looked at; margins are smooth in it but where another crossing is least."""
@@ -93,7 +93,7 @@ def margin_map(robots: Sequence[Fitted], controller: PD) -> MarginMap:
         lambda *leaves: np.stack(leaves), *(fitted.robot for fitted in robots)
     )
     height = np.linspace(*reach(robots[0].robot), _HEIGHTS)
-    flexible = margins_over_workspace(stacked, height, controller)
+    flexible = flexible_margins(stacked, height, controller)
     return MarginMap(np.asarray([fitted.pretension for fitted in robots]), height, flexible)
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float
@@ -63,12 +64,23 @@ class Prediction:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class LegsOutcome:
-    """What random legs come to under one command law."""
+    """What random legs come to, under one command law or several."""
 
-    vibration: Float[np.ndarray, " legs"] = dataclasses.field(metadata=si("m"))
+    vibration: Float[np.ndarray, "*laws legs"] = dataclasses.field(metadata=si("m"))
     """Peak to peak of $x_e$ after each leg [m]."""
-    resting_error: Float[np.ndarray, " legs"] = dataclasses.field(metadata=si("m"))
+    resting_error: Float[np.ndarray, "*laws legs"] = dataclasses.field(metadata=si("m"))
     """Distance from the target to where the end-effector rests [m]."""
+
+    def map(self, function: Callable[[np.ndarray], np.ndarray]) -> "LegsOutcome":
+        """The same of other legs, or in another shape.
+
+        Args:
+            function: From the numbers of each kind to those.
+
+        Returns:
+            The outcome.
+        """
+        return LegsOutcome(function(self.vibration), function(self.resting_error))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

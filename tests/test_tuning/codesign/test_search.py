@@ -28,8 +28,8 @@ from tuning.codesign import (
 from tuning.codesign.search import Search, _starts
 from tuning.codesign.shaped_legs import shaped
 from tuning.codesign.unknowns import Unknowns, command, law, plain_profile, start
-from tuning.loop.admissible import _slack, admissible
-from tuning.loop.flexible_margins import margins_over_workspace
+from tuning.loop.admissible import admissible, slack_of
+from tuning.loop.flexible_margins import flexible_margins
 from tuning.shapers.catalogue import CATALOGUE
 
 ROBOT = exact(
@@ -82,8 +82,8 @@ def designs(within, few_lanes):
 
 def slack(controllers, heights):
     robots = jax.tree.map(lambda *leaves: jnp.stack(leaves), *SETTINGS)
-    every = np.asarray(heights)
-    return np.array([_slack(margins_over_workspace(robots, every, pd)) for pd in controllers])
+    each = jax.tree.map(lambda *leaves: np.stack(leaves), *controllers)
+    return slack_of(flexible_margins(robots, np.asarray(heights), each))
 
 
 def test_every_admissible_controller_keeps_its_margins(within):

@@ -9,7 +9,8 @@ from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper, padded
 from scdpr_jax.robot.parameters import exact
 from scdpr_jax.robot.prototype import consistent
-from tuning.gains.legs import IMPULSES, plain_law, runs
+from tuning.gains.legs import IMPULSES, plain_law
+from tuning.gains.outcome import outcome
 from tuning.gains.possible_robots import VARIATIONS, possible_robots
 from tuning.gains.regional import (
     NONE,
@@ -38,7 +39,7 @@ ROBOTS = possible_robots(ROBOT)
 @pytest.fixture(scope="module")
 def into():
     legs = legs_into(CELLS, ROBOTS, count=10, seed=3)
-    return legs, [runs(part, plain_law()) for part in legs]
+    return legs, [outcome(part, plain_law()) for part in legs]
 
 
 def chosen(into, controller, tried):
@@ -96,9 +97,7 @@ def test_idle_impulses_change_no_leg(into):
     legs, before = into[0][0], into[1][0]
     law = plain_law()
     padded_law = type(law)(law.controller, padded(Shaper([0.0], [1.0]), IMPULSES))
-    np.testing.assert_allclose(
-        runs(legs, padded_law).residual_vibration, before.residual_vibration, rtol=1e-9
-    )
+    np.testing.assert_allclose(outcome(legs, padded_law).vibration, before.vibration, rtol=1e-9)
 
 
 def test_regions_may_have_shapers_of_other_numbers_of_impulses(into):

@@ -16,10 +16,10 @@ from tuning.loop.flexible_loop import (
     LIFTING,
     UPPER_FREE,
     UPPER_HELD,
-    flexible_loop,
-    flexible_plant,
-    motions,
+    controller_response,
+    plants,
 )
+from tuning.loop.flexible_margins import flexible_margins
 from tuning.loop.margins import sampled_margins
 from tuning.loop.plant import MotorPlant
 from tuning.loop.responses import sampled_loop
@@ -35,6 +35,10 @@ PAIR = tuple(
 FREE, LIFT = JOINT_LOOPS.index(UPPER_FREE), JOINT_LOOPS.index(LIFTING)
 
 model_at = jax.jit(linearise)
+
+
+def several(*trees):
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
 
 
 @pytest.fixture(scope="module")
@@ -132,19 +136,17 @@ def test_a_loop_of_stiff_cables_is_that_of_a_rigid_robot():
         gain=drive.torque_per_volt / inertia,
         pole=(drive.damping + viscous * radius**2 / 2) / inertia,
     )
-    omega = jnp.asarray([3.0, 10.0, 30.0, 60.0])
-    motion = jax.tree.map(lambda leaf: leaf[FREE], motions())
+    omega, pd = np.array([3.0, 10.0, 30.0, 60.0]), published_pd()
+    expected = jax.vmap(lambda w: sampled_loop(rigid, pd, w))(jnp.asarray(omega))
 
-    @jax.jit
     def error(tension):
         robot = replace(ROBOT, {"effective_pretension": tension})
-        period = jnp.asarray(PERIOD)
-        plant = flexible_plant(robot, jnp.asarray(0.5), motion, period=period)
-        flexible = jax.vmap(lambda w: flexible_loop(plant, published_pd(), w))(omega)
-        expected = jax.vmap(lambda w: sampled_loop(rigid, published_pd(), w))(omega)
-        return jnp.max(jnp.abs(flexible / expected - 1))
+        own, _ = plants(several(robot), np.array([0.5]), period=PERIOD)
+        plant = own.response(np.full(4, FREE), np.expm1(1j * omega * PERIOD))
+        controller = controller_response(several(pd), np.zeros(4, int), omega, delay=1)
+        return np.max(np.abs(controller * plant / expected - 1))
 
-    errors = [float(error(jnp.asarray(tension))) for tension in (1e5, 1e7)]
+    errors = [error(tension) for tension in (1e5, 1e7)]
     # What the cables give falls with their stiffness: squares of 60 rad/s over the modes'.
     assert errors[0] <= 0.05
     assert errors[1] <= 0.015 * errors[0]
@@ -192,3 +194,27 @@ def test_an_unstable_loop_is_told_instead_of_a_margin():
     (worst,) = worst_margins(found)
     assert worst.measure == "spectral_radius"
     assert worst.value > 1
+
+
+def test_controllers_are_judged_side_by_side_as_alone():
+    pd = published_pd()
+    softer = PD(0.5 * pd.proportional_gain, pd.derivative_gain, filter_time=2e-3)
+    robots, heights = several(ROBOT), np.array([0.3, 0.8])
+    both = flexible_margins(robots, heights, several(pd, softer))
+    for number, own in enumerate((pd, softer)):
+        alone = flexible_margins(robots, heights, own)
+        for one, other in zip(
+            jax.tree.leaves(both.margins), jax.tree.leaves(alone.margins), strict=True
+        ):
+            np.testing.assert_allclose(one[number], other, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"delay": -1}, "`delay` must not be negative"), ({}, "must have one period")],
+)
+def test_what_no_loop_can_have_is_refused(change, said):
+    pd = published_pd()
+    slower = PD(pd.proportional_gain, pd.derivative_gain, period=2e-3)
+    with pytest.raises(ValueError, match=said):
+        flexible_margins(several(ROBOT), np.array([0.5]), several(pd, slower), **change)
