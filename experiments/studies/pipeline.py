@@ -16,10 +16,9 @@ from identification.knocks.frequency_map import FrequencyMap, frequency_map
 from identification.result.estimate import Estimate
 from identification.result.estimation import estimate
 from scdpr_jax.numerics.progress import SILENT, Progress, listening
-from scdpr_jax.robot.prototype import consistent
 from tuning.gains.manoeuvre import LEG_TIMES
 from tuning.gains.optimise import Effort
-from tuning.gains.tune import preparations, tune
+from tuning.gains.tune import tune
 
 
 def held_out_by_default(campaign: Campaign) -> tuple[str, ...]:
@@ -57,6 +56,7 @@ def calibrate(
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     force: bool = False,
     fitted: Callable[[Estimate], None] = lambda estimate: None,
+    rehearsal: Callable[[], None] = lambda: None,
     progress: Progress | bool = SILENT,
 ) -> Findings:
     """Parameters, frequencies, gains and shapers of a campaign.
@@ -73,6 +73,8 @@ def calibrate(
         effort: How much is spent on the tuning.
         force: Whether to tune even if the fit has failed.
         fitted: Told the estimate as soon as there is one, while gains are sought.
+        rehearsal: Waits until what a tuning compiles is there, see
+            `experiments.studies.rehearsal`.
         progress: Told what is being done and which share of it is done;
             True shows it in a notebook.
 
@@ -86,11 +88,8 @@ def calibrate(
     progress = listening(progress)
     names = held_out_by_default(campaign) if hold_out is None else tuple(hold_out)
     with _aside() as aside:
-        # Ring-downs and what tuning compiles don't depend on the fit: other cores do them.
+        # Ring-downs don't depend on the fit: another core does them.
         rung = aside.submit(_frequencies, campaign)
-        compiled = [
-            aside.submit(prepare) for prepare in preparations(consistent(), leg_times=leg_times)
-        ]
         options = FitOptions(
             free=DEFAULT_FREE if free is None else free,
             hold_out=names,
@@ -100,10 +99,9 @@ def calibrate(
         fit = select if free is None else estimate
         found = fit(campaign, options, progress=progress.part(0.02, 0.7))
         told = aside.submit(fitted, found)
-        for each in compiled:
-            each.result()
         progress("ring-downs", 0.7)
         frequencies, unresolved = rung.result()
+        rehearsal()
         tuned = None
         if found.fits or force:
             tuned = tune(

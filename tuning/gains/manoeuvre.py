@@ -1,7 +1,5 @@
 """The horizontal manoeuvre of Table 3, out and back, simulated before and after tuning."""
 
-from collections.abc import Callable, Iterator
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -57,25 +55,6 @@ def predict(
         name = f"horizontal manoeuvre, {leg_time:g} s a leg"
         predictions.append(Prediction(name, before, after, run_before, run_after))
     return tuple(predictions)
-
-
-def prediction_preparations(
-    robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES
-) -> Iterator[Callable[[], None]]:
-    """What compiles what `predict` needs for any robot.
-
-    Args:
-        robot: A robot.
-        leg_times: Times of a leg that will be simulated [s].
-
-    Yields:
-        Functions that may be called in any order, and side by side.
-    """
-
-    def one() -> None:
-        _simulated(robot, published_pd(), unshaped(), leg_times[0], longest=max(leg_times))
-
-    yield one
 
 
 def _simulated(

@@ -18,12 +18,10 @@ from scdpr_jax.command.controller import PDState
 from scdpr_jax.command.shaper import ShapedTrajectory
 from scdpr_jax.command.trajectory import rest_to_rest
 from scdpr_jax.legs.command_law import CommandLaw
-from scdpr_jax.legs.random_legs import RandomLegs
 from scdpr_jax.numerics.side_by_side import side_by_side
 from scdpr_jax.robot.kinematics import inverse_kinematics
-from scdpr_jax.robot.parameters import Robot
 from scdpr_jax.robot.state import HEIGHT, LOWER, UPPER, State, rest
-from tuning.gains.legs import PERIOD, Law, Legs, legs_of, plain_law
+from tuning.gains.legs import PERIOD, Law, Legs
 from tuning.plan.expectation import Loop, Told, sample
 from tuning.result.prediction import LegsOutcome
 
@@ -68,16 +66,6 @@ def outcome(legs: Legs, laws: Law) -> LegsOutcome:
     made = side_by_side(_chunk, lanes, size=_LANES, program=_sample)
     vibration, resting = (own[np.argsort(order)] for own in made)
     return LegsOutcome(vibration, resting)
-
-
-def compile_outcome(robot: Robot, drawn: RandomLegs) -> None:
-    """Makes the machine code that `outcome` runs.
-
-    Args:
-        robot: Any robot with exact friction.
-        drawn: Any legs.
-    """
-    outcome(legs_of([robot], drawn), plain_law())
 
 
 def _chunk(

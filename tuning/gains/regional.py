@@ -213,12 +213,6 @@ def told(controller: PD, shapers: Sequence[Shaper], *, legs: Sequence[int]) -> L
     )
 
 
-def compile_catalogue() -> None:
-    """Compiles the catalogue's designs for any cells, and what shapers leave in them."""
-    _catalogue.compile(np.ones(_CELLS), np.zeros(_CELLS))
-    _residuals.compile(np.ones((_CELLS, 4)), np.ones((_CELLS, 2, IMPULSES)))
-
-
 @kept_jit
 def _catalogue(
     frequency: Float[Array, " cells"], damping_ratio: Float[Array, " cells"]

@@ -3,23 +3,21 @@
 import concurrent.futures
 import dataclasses
 import functools
-from collections.abc import Callable, Iterator
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from scdpr_jax.command.controller import PD, published_pd
 from scdpr_jax.command.shaper import Shaper
-from scdpr_jax.legs.random_legs import random_legs
 from scdpr_jax.numerics.progress import SILENT, Progress, listening
 from scdpr_jax.robot.drive import drive_gain, drive_pole
 from scdpr_jax.robot.parameters import Robot, exact
 from tuning.gains.legs import Legs, plain_law
 from tuning.gains.loss import loss
-from tuning.gains.manoeuvre import HEIGHT, LEG_TIMES, SPAN, predict, prediction_preparations
+from tuning.gains.manoeuvre import HEIGHT, LEG_TIMES, SPAN, predict
 from tuning.gains.notes import notes_of
 from tuning.gains.optimise import Effort, Optimum, optimise, scaled
-from tuning.gains.outcome import compile_outcome, outcome
+from tuning.gains.outcome import outcome
 from tuning.gains.planned_legs import planned_legs
 from tuning.gains.possible_robots import Draws, PossibleRobot, possible_robots
 from tuning.gains.regional import (
@@ -29,7 +27,6 @@ from tuning.gains.regional import (
     candidates,
     cell_at,
     choose,
-    compile_catalogue,
     legs_anywhere,
     legs_into,
     told,
@@ -168,25 +165,6 @@ def tune(
         legs=legs,
         caution=caution,
     )
-
-
-def preparations(
-    robot: Robot, *, leg_times: tuple[float, ...] = LEG_TIMES
-) -> Iterator[Callable[[], None]]:
-    """What compiles what `tune` will run, on any robot, as it takes longer than running it.
-
-    Args:
-        robot: Any robot with the numbers of an ordinary one.
-        leg_times: Times of a leg of the manoeuvre that will be simulated [s].
-
-    Yields:
-        Functions that may be called in any order, and side by side.
-    """
-    whole = exact(robot)
-    drawn = random_legs(whole.frame, 2, seed=0)
-    yield functools.partial(compile_outcome, whole, drawn)
-    yield compile_catalogue
-    yield from prediction_preparations(whole, leg_times=leg_times)
 
 
 def _caution(estimate: Estimated, *, force: bool) -> str:

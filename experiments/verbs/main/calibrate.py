@@ -68,10 +68,15 @@ def calibrate(
     from experiments.reports.report import FitPictures
     from experiments.reports.written_files import write_calibration
     from experiments.studies import pipeline
+    from experiments.studies.rehearsal import rehearsed
     from identification.fit.unknowns.measured_text import parse_measured
 
     otherwise = tuple(map(parse_measured, measured))
-    with shown_progress(ERRORS, "calibrate", campaign) as progress, drawing_aside() as draw:
+    with (
+        shown_progress(ERRORS, "calibrate", campaign) as progress,
+        drawing_aside() as draw,
+        rehearsed() as rehearsal,
+    ):
         pictures = FitPictures(read, draw=draw)
         findings = pipeline.calibrate(
             read,
@@ -81,6 +86,7 @@ def calibrate(
             clock_drifts=camera_drifts,
             force=force,
             fitted=pictures.begin,
+            rehearsal=rehearsal,
             progress=progress.part(0.0, 0.93),
         )
         written = write_calibration(

@@ -23,6 +23,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
     from experiments.reports.written_files import write_calibration
     from experiments.studies.findings.parameters import covers
     from experiments.studies.pipeline import calibrate
+    from experiments.studies.rehearsal import rehearsed
     from experiments.virtual_rig import rig
     from identification.campaign import read_campaign, write_campaign
     from tuning.gains.manoeuvre import LEG_TIMES
@@ -34,7 +35,11 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             f"`--out`: {logs} exists already, got a demo's folder or yours, expected none. "
             "Name another folder, or remove it."
         )
-    with shown_progress(ERRORS, "demo") as progress, drawing_aside() as draw:
+    with (
+        shown_progress(ERRORS, "demo") as progress,
+        drawing_aside() as draw,
+        rehearsed(LEG_TIMES[:1]) as rehearsal,
+    ):
         truth = rig.draw_truth(seed)
         made = rig.campaign(truth, seed, progress=progress.part(0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)
@@ -47,6 +52,7 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             leg_times=LEG_TIMES[:1],
             effort=Effort(generations=3),
             fitted=pictures.begin,
+            rehearsal=rehearsal,
             progress=progress.part(0.2, 0.95),
         )
         written = write_calibration(

@@ -74,11 +74,6 @@ class KeptJit(Generic[Given, Result]):
             return self._function(*args, **kwargs)
         return self._program(leaves, structure, static)(*leaves)
 
-    def compile(self, *args: Given.args, **kwargs: Given.kwargs) -> None:
-        """Has the program for such arguments ready, without running it."""
-        arrays, static = eqx.partition((args, kwargs), _is_array)
-        self._program(*jax.tree.flatten(arrays), static)
-
     def _program(
         self, leaves: Sequence[Leaf], structure: jax.tree_util.PyTreeDef, static: PyTree
     ) -> Program:

@@ -150,14 +150,6 @@ def test_under_transformations_it_is_the_function(cache):
     np.testing.assert_allclose(slope, differences, rtol=1e-6)
 
 
-def test_compiling_ahead_runs_nothing_and_serves_the_call(cache):
-    compiled = native.kept_jit(driven)
-    compiled.compile(PARAMETERS, FORCES, 1.0)
-    _TRACED.clear()
-    compiled(PARAMETERS, FORCES, 1.0)
-    assert not _TRACED
-
-
 def test_threads_that_ask_for_one_program_compile_it_once(cache):
     compiled = native.kept_jit(driven)
     together = threading.Barrier(4)
