@@ -34,8 +34,10 @@ def test_poles_respond_as_the_plants_do(changes):
     step = np.expm1(1j * np.tile(np.geomspace(0.1 * PERIOD, np.pi, 300), len(JOINT_LOOPS)))
     poles = PlantsOfPoles.of(own, np.full(len(JOINT_LOOPS), gain))
     solved, multiplied = (each.response(row, step) for each in (own, poles))
-    # What the feedback tells of a small response is a difference of nearly equal numbers.
-    allowed = 1e-11 * np.abs(solved) + 1e-12 / gain
+    # Poles near 1 are right to rounding, of which a slow response sees the share of its step.
+    # What the feedback tells of a small one is a difference of nearly equal numbers.
+    rounding = 1e-11 + 10 * np.finfo(float).eps / np.abs(step)
+    allowed = rounding * np.abs(solved) + 1e-12 / gain
     assert np.all(np.abs(multiplied - solved) < allowed)
 
 
