@@ -4,6 +4,7 @@ Matplotlib takes a fifth of a second for a figure of a report, nearly all of it 
 that threads would wait for each other.
 """
 
+import atexit
 import concurrent.futures
 import contextlib
 import gc
@@ -87,3 +88,4 @@ def _begin(*threshold: int) -> None:
     """A process that looks for cycles as the one does that began it, and is ended by it."""
     end_with_pool()
     gc.set_threshold(*threshold)
+    atexit.register(os._exit, 0)  # Taking libraries apart at the end serves nobody.

@@ -57,25 +57,23 @@ def in_space(run: Leg) -> InSpace:
     moving = np.flatnonzero(np.any(np.diff(reference, axis=0) != 0, axis=1))
     period = float(time[1] - time[0])
     most = min(round(LONGEST / period), len(time) - 1)
-    coarse = range(0, most + 1, _COARSE)
-    first = min(coarse, key=lambda lag: _square(pose, reference, lag))
-    near = range(max(first - _COARSE, 0), min(first + _COARSE, most) + 1)
-    lag = min(near, key=lambda lag: _square(pose, reference, lag))
+    # After the last sample it stays.
+    going_on = np.concatenate([pose, np.repeat(pose[-1:], most, axis=0)])
+
+    def later(lag: int) -> Float[np.ndarray, "samples 2"]:
+        return going_on[lag : lag + len(pose)]
+
+    def square(lag: int) -> float:
+        off = later(lag) - reference
+        return float(np.vdot(off, off))
+
+    first = min(range(0, most + 1, _COARSE), key=square)
+    lag = min(range(max(first - _COARSE, 0), min(first + _COARSE, most) + 1), key=square)
     return InSpace(
         lag=lag * period,
         time=time,
         reference=reference,
-        pose=_later(pose, lag),
+        pose=later(lag),
         arrival=float(time[moving[-1] + 1]) if moving.size else 0.0,
     )
 
-
-def _square(
-    pose: Float[np.ndarray, "samples 2"], reference: Float[np.ndarray, "samples 2"], lag: int
-) -> float:
-    return float(np.sum((_later(pose, lag) - reference) ** 2))
-
-
-def _later(pose: Float[np.ndarray, "samples 2"], lag: int) -> Float[np.ndarray, "samples 2"]:
-    """Where it is by some samples later; after the last one it stays."""
-    return pose[np.minimum(np.arange(len(pose)) + lag, len(pose) - 1)]
