@@ -8,6 +8,7 @@ import numpy as np
 
 from experiments.studies.findings.findings import Findings, findings
 from experiments.studies.posterior import draws_of
+from experiments.studies.rehearsal import rehearse
 from identification.campaign import Campaign
 from identification.checks.selection import select
 from identification.fit.unknowns.measured import Measured
@@ -56,7 +57,7 @@ def calibrate(
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     force: bool = False,
     fitted: Callable[[Estimate], None] = lambda estimate: None,
-    rehearsal: Callable[[], None] = lambda: None,
+    processes: concurrent.futures.Executor | None = None,
     progress: Progress | bool = SILENT,
 ) -> Findings:
     """Parameters, frequencies, gains and shapers of a campaign.
@@ -73,8 +74,7 @@ def calibrate(
         effort: How much is spent on the tuning.
         force: Whether to tune even if the fit has failed.
         fitted: Told the estimate as soon as there is one, while gains are sought.
-        rehearsal: Waits until what a tuning compiles is there, see
-            `experiments.studies.rehearsal`.
+        processes: Who plans legs, and rehearses a first tuning.
         progress: Told what is being done and which share of it is done;
             True shows it in a notebook.
 
@@ -90,6 +90,7 @@ def calibrate(
     with _aside() as aside:
         # Ring-downs don't depend on the fit: another core does them.
         rung = aside.submit(_frequencies, campaign)
+        rehearsal = aside.submit(rehearse, processes, leg_times)
         options = FitOptions(
             free=DEFAULT_FREE if free is None else free,
             hold_out=names,
@@ -101,9 +102,9 @@ def calibrate(
         told = aside.submit(fitted, found)
         progress("ring-downs", 0.7)
         frequencies, unresolved = rung.result()
-        rehearsal()
         tuned = None
         if found.fits or force:
+            concurrent.futures.wait(rehearsal.result())
             tuned = tune(
                 found,
                 frequencies,
@@ -111,6 +112,7 @@ def calibrate(
                 leg_times=leg_times,
                 effort=effort,
                 force=force,
+                processes=processes,
                 progress=progress.part(0.75, 0.95),
             )
         told.result()
@@ -125,8 +127,8 @@ def calibrate(
 
 @contextlib.contextmanager
 def _aside() -> Iterator[concurrent.futures.Executor]:
-    """Two threads; what waits for them is dropped if something goes wrong."""
-    pool = concurrent.futures.ThreadPoolExecutor(2)
+    """A few threads; what waits for them is dropped if something goes wrong."""
+    pool = concurrent.futures.ThreadPoolExecutor(3)
     try:
         yield pool
     finally:

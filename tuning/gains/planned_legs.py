@@ -1,5 +1,6 @@
 """Random legs as planned for the fitted robot, driven on robots as they might be."""
 
+import concurrent.futures
 import dataclasses
 
 import jax
@@ -17,7 +18,12 @@ from tuning.result.prediction import LegsOutcome
 
 
 def planned_legs(
-    fitted: Robot, controller: PD, legs: Legs, *, progress: Progress = SILENT
+    fitted: Robot,
+    controller: PD,
+    legs: Legs,
+    *,
+    processes: concurrent.futures.Executor | None = None,
+    progress: Progress = SILENT,
 ) -> LegsOutcome:
     """What legs come to as they are planned.
 
@@ -28,6 +34,7 @@ def planned_legs(
         fitted: The fitted robot, with exact friction.
         controller: The controller that the plans run under.
         legs: The legs with their robots.
+        processes: Who plans them, see `plan_legs`.
         progress: Told which share of the plans is made.
 
     Returns:
@@ -40,7 +47,7 @@ def planned_legs(
         for row, slope in zip(rows, slopes, strict=True)
     ]
     outcomes = []
-    plans = plan_legs(fitted, controller, wanted, progress=progress)
+    plans = plan_legs(fitted, controller, wanted, processes=processes, progress=progress)
     for row, slope, planned in zip(rows, slopes, plans, strict=True):
         leg: Leg = dataclasses.replace(planned.leg, slope=0.0)
         robot, plan = row.ensemble.robot, planned.simulated

@@ -99,6 +99,7 @@ def tune(
     leg_times: tuple[float, ...] = LEG_TIMES,
     effort: Effort = Effort(),  # noqa: B008 - a frozen tuple
     force: bool = False,
+    processes: concurrent.futures.Executor | None = None,
     progress: Progress | bool = SILENT,
 ) -> Tuning:
     """Gains for the robot and a shaper for every region of its workspace.
@@ -116,6 +117,7 @@ def tune(
         leg_times: Times of a leg of the manoeuvre that is simulated before and after [s].
         effort: How much is spent on the optimisation.
         force: Whether to tune for a robot whose fit has failed; the tuning is marked.
+        processes: Who plans legs meanwhile, see `tuning.plan.planning.plan_legs`.
         progress: Told what is being done and which share of it is done;
             True shows it in a notebook.
 
@@ -139,7 +141,9 @@ def tune(
     inner("", 0.0)
     seen = _seen(main, count=PREDICTED, seed=_TOLD)
     some = seen.legs.rows(np.arange(effort.planned))
-    plans = functools.partial(planned_legs, main.fitted.robot, legs=some, progress=inner)
+    plans = functools.partial(
+        planned_legs, main.fitted.robot, legs=some, processes=processes, progress=inner
+    )
     with concurrent.futures.ThreadPoolExecutor(1) as aside:
         # Gains are seldom given up, so legs are planned under them meanwhile.
         planned = aside.submit(plans, optimum.controller)

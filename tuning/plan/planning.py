@@ -18,8 +18,10 @@ expected to leave less, the plain profile it is.
 import concurrent.futures
 import dataclasses
 import functools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -68,6 +70,8 @@ UNFORETOLD = 0.5
 """Share of the cables' give that leads a simulated plan astray [1]. A fit doesn't tell their
 compliance from the drives' backlash and ripple, and as if half of the give were another's is
 what elastic rigs do after their legs, to a fifth."""
+_MOST = 16
+"""Legs that another process is asked for at once, so that progress is seen."""
 _PREPARED = 14
 """Legs whose planning takes as long as the robots' models, which are made before the first."""
 
@@ -148,14 +152,22 @@ def plan_leg(
 
 
 def plan_legs(
-    robot: Robot, controller: PD, legs: Iterable[Wanted], *, progress: Progress | bool = SILENT
+    robot: Robot,
+    controller: PD,
+    legs: Iterable[Wanted],
+    *,
+    processes: concurrent.futures.Executor | None = None,
+    progress: Progress | bool = SILENT,
 ) -> list[Planned]:
-    """Plans of many legs, on every core.
+    """Plans of many legs.
 
     Args:
         robot: The fitted robot, with exact friction.
         controller: The PD controller that it will run under.
         legs: What is asked for.
+        processes: Who shares them out, a `concurrent.futures.ProcessPoolExecutor()` for one;
+            None for this process alone. Threads would wait for each other: a third of a
+            search is Python.
         progress: Told which share is done;
             True shows it in a notebook.
 
@@ -166,17 +178,40 @@ def plan_legs(
         ValueError: If one of them can't be planned.
     """
     progress = listening(progress)
-    legs, planner = list(legs), Planner(robot, controller)
+    legs = list(legs)
     for leg in legs:
         _refuse(leg)
     made: list[Planned] = []
-    # Machine code runs while another thread is in Python.
-    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
-        for plan in pool.map(planner, legs):
-            made.append(plan)
-            share = (_PREPARED + len(made)) / (_PREPARED + len(legs))
-            progress(f"{len(made)} of {len(legs)} legs", share)
+    for some in _parts(robot, controller, legs, processes):
+        made += some
+        share = (_PREPARED + len(made)) / (_PREPARED + len(legs))
+        progress(f"{len(made)} of {len(legs)} legs", share)
     return made
+
+
+def _parts(
+    robot: Robot,
+    controller: PD,
+    legs: list[Wanted],
+    processes: concurrent.futures.Executor | None,
+) -> Iterator[list[Planned]]:
+    """The plans in order, some at a time."""
+    if processes is None:
+        planner = Planner(robot, controller)
+        yield from ([planner(leg)] for leg in legs)
+        return
+    size = min(-(-len(legs) // (2 * CORES)), _MOST)
+    rows = [legs[k : k + size] for k in range(0, len(legs), size or 1)]
+    # JAX's arrays would arrive in the precision that the other process has so far.
+    told = jax.tree.map(np.asarray, (robot, controller))
+    part = functools.partial(_part, bool(jax.config.jax_enable_x64), *told)
+    yield from processes.map(part, rows)
+
+
+def _part(double: bool, robot: Robot, controller: PD, legs: list[Wanted]) -> list[Planned]:
+    """Plans of some legs, as another process makes them: in the precision of the first."""
+    jax.config.update("jax_enable_x64", double)
+    return list(map(Planner(*jax.tree.map(jnp.asarray, (robot, controller))), legs))
 
 
 class Planner:

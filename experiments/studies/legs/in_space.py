@@ -76,4 +76,3 @@ def in_space(run: Leg) -> InSpace:
         pose=later(lag),
         arrival=float(time[moving[-1] + 1]) if moving.size else 0.0,
     )
-

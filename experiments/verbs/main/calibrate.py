@@ -2,7 +2,7 @@
 
 import pathlib
 
-from experiments.runtime import set_up, shown_progress
+from experiments.runtime import processes_aside, set_up, shown_progress
 from experiments.verbs.console import (
     ERRORS,
     OUT,
@@ -62,36 +62,32 @@ def calibrate(
     read = examined(logs, accept, verb="calibrate")
     if read is None:
         return BAD_INPUT
-    set_up()
-    from experiments.page.pictures.drawing import drawing_aside
-    from experiments.reports import summary
-    from experiments.reports.report import FitPictures
-    from experiments.reports.written_files import write_calibration
-    from experiments.studies import pipeline
-    from experiments.studies.rehearsal import rehearsed
-    from identification.fit.unknowns.measured_text import parse_measured
+    with processes_aside() as processes:
+        set_up()
+        from experiments.page.pictures.drawing import draws_by
+        from experiments.reports import summary
+        from experiments.reports.report import FitPictures
+        from experiments.reports.written_files import write_calibration
+        from experiments.studies import pipeline
+        from identification.fit.unknowns.measured_text import parse_measured
 
-    otherwise = tuple(map(parse_measured, measured))
-    with (
-        shown_progress(ERRORS, "calibrate", campaign) as progress,
-        drawing_aside() as draw,
-        rehearsed() as rehearsal,
-    ):
-        pictures = FitPictures(read, draw=draw)
-        findings = pipeline.calibrate(
-            read,
-            free=freed or None,
-            hold_out=held_out,
-            measured=otherwise,
-            clock_drifts=camera_drifts,
-            force=force,
-            fitted=pictures.begin,
-            rehearsal=rehearsal,
-            progress=progress.part(0.0, 0.93),
-        )
-        written = write_calibration(
-            findings, out, pictures=pictures, progress=progress.part(0.93, 1.0)
-        )
+        otherwise = tuple(map(parse_measured, measured))
+        pictures = FitPictures(read, draw=draws_by(processes))
+        with shown_progress(ERRORS, "calibrate", campaign) as progress:
+            findings = pipeline.calibrate(
+                read,
+                free=freed or None,
+                hold_out=held_out,
+                measured=otherwise,
+                clock_drifts=camera_drifts,
+                force=force,
+                fitted=pictures.begin,
+                processes=processes,
+                progress=progress.part(0.0, 0.93),
+            )
+            written = write_calibration(
+                findings, out, pictures=pictures, progress=progress.part(0.93, 1.0)
+            )
     summary.show(OUT, findings)
     for note in findings.notes:
         say(f"note: {note}")

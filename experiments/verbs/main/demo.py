@@ -2,7 +2,7 @@
 
 import pathlib
 
-from experiments.runtime import set_up, shown_progress
+from experiments.runtime import processes_aside, set_up, shown_progress
 from experiments.verbs.console import ERRORS, OUT, open_call, pasted, plan_call, suggest, wrote
 from experiments.verbs.exit_status import DONE, FELL_SHORT
 from experiments.verbs.places import try_out
@@ -17,13 +17,12 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
     """
     try_out(out / "report.html")
     set_up()
-    from experiments.page.pictures.drawing import drawing_aside
+    from experiments.page.pictures.drawing import draws_by
     from experiments.reports import summary
     from experiments.reports.report import FitPictures
     from experiments.reports.written_files import write_calibration
     from experiments.studies.findings.parameters import covers
     from experiments.studies.pipeline import calibrate
-    from experiments.studies.rehearsal import rehearsed
     from experiments.virtual_rig import rig
     from identification.campaign import read_campaign, write_campaign
     from tuning.gains.manoeuvre import LEG_TIMES
@@ -35,24 +34,20 @@ def demo(out: pathlib.Path = pathlib.Path("demo"), seed: int = 1) -> int:
             f"`--out`: {logs} exists already, got a demo's folder or yours, expected none. "
             "Name another folder, or remove it."
         )
-    with (
-        shown_progress(ERRORS, "demo") as progress,
-        drawing_aside() as draw,
-        rehearsed(LEG_TIMES[:1]) as rehearsal,
-    ):
+    with shown_progress(ERRORS, "demo") as progress, processes_aside() as processes:
         truth = rig.draw_truth(seed)
         made = rig.campaign(truth, seed, progress=progress.part(0.0, 0.2))
         out.mkdir(parents=True, exist_ok=True)
         write_campaign(made.with_runs(rig.DEMONSTRATED), logs)
         read = read_campaign(logs)
-        pictures = FitPictures(read, truth=truth.values, draw=draw)
+        pictures = FitPictures(read, truth=truth.values, draw=draws_by(processes))
         # One leg time and half of the search: a demonstration has to be quick.
         findings = calibrate(
             read,
             leg_times=LEG_TIMES[:1],
             effort=Effort(generations=3),
             fitted=pictures.begin,
-            rehearsal=rehearsal,
+            processes=processes,
             progress=progress.part(0.2, 0.95),
         )
         written = write_calibration(

@@ -1,5 +1,6 @@
 """`scdpr plan`: the references and the feed-forward of one leg."""
 
+import os
 import pathlib
 from typing import TYPE_CHECKING, Annotated
 
@@ -65,8 +66,9 @@ def plan(
         leg_time: Time of the leg, "2 s"; default: 2 s. What the drives can't do takes longer.
         setting: Nominal pretension, "350 N"; default: the first of the tuning.
         force: Plan with a tuning whose fit has failed, too; the plan is marked.
-        cores: With `--legs`: processes of this machine to share them among; default: this one,
-            on all its cores. A call that was stopped goes on where it was: give it again.
+        cores: With `--legs`: processes of this machine to share them among; default: one a
+            core, or this one for few legs. A call that was stopped goes on where it was: give
+            it again.
         cluster: With `--legs`: a dask cluster to share them among, tcp://HOST:PORT or
             tls://HOST:PORT, or local:N for one of N workers on this machine. Needs the extra
             `cluster`.
@@ -103,7 +105,7 @@ def plan(
                 f"`--legs` names its legs itself, got {', '.join(named)} besides, expected it "
                 "alone. Leave either out."
             )
-        return _many(tuning, tuned, robot, legs, out, (cluster, certificates, cores or 1))
+        return _many(tuning, tuned, robot, legs, out, (cluster, certificates, cores))
     if to is None:
         raise ValueError(
             '`--to` is missing: say where the end-effector is to go, such as "1.9 m, 0.55 m", '
@@ -171,15 +173,22 @@ def _many(
     robot: "Robot",
     legs: pathlib.Path,
     out: pathlib.Path,
-    shared: "tuple[str | None, pathlib.Path | None, int]",
+    shared: "tuple[str | None, pathlib.Path | None, int | None]",
 ) -> int:
     """A table's legs, each in a file, and a table of what is expected of them."""
     from experiments.runtime.executors.chosen import chosen
     from experiments.studies.legs.many_legs import write_legs
+    from experiments.studies.legs.unit import LEGS
     from tuning.plan.legs_file import read_legs
 
     wanted = read_legs(legs, robot)
-    with shown_progress(ERRORS, "plan --legs") as progress, chosen(*shared) as executor:
+    *elsewhere, cores = shared
+    few = len(wanted) <= LEGS
+    number = cores or (1 if few else os.cpu_count() or 1)
+    with (
+        shown_progress(ERRORS, "plan --legs") as progress,
+        chosen(*elsewhere, number) as executor,
+    ):
         written = write_legs(
             robot,
             tuned.controller,

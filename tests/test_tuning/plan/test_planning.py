@@ -1,6 +1,8 @@
 """Legs planned for rig-a and others, and driven by the engine on robots that differ."""
 
+import concurrent.futures
 import functools
+import multiprocessing
 
 import jax.numpy as jnp
 import numpy as np
@@ -162,6 +164,12 @@ def test_many_legs_are_planned_as_each_alone():
     alone = plan_leg(FITTED, CONTROLLER, (0.8, 0.4), (1.2, 0.5), leg_time=0.9, slope=0.0)
     np.testing.assert_array_equal(many[1].plan.angle, alone.plan.angle)
     assert len(many) == 2
+    spawning = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(1, mp_context=spawning) as processes:
+        elsewhere = plan_legs(FITTED, CONTROLLER, wanted, processes=processes)
+    for here, there in zip(many, elsewhere, strict=True):
+        np.testing.assert_array_equal(here.plan.angle, there.plan.angle)
+        assert here.expected.mean == there.expected.mean
 
 
 def test_the_led_robot_is_that_of_the_closed_loop():

@@ -5,7 +5,8 @@ import pytest
 from markupsafe import escape
 
 from experiments.page import style
-from experiments.page.pictures.drawing import draw, drawing_aside
+from experiments.page.pictures.drawing import draw, draws_by
+from experiments.runtime import processes_aside
 
 
 @style.styled
@@ -19,7 +20,8 @@ def line(*, panels):
 
 def test_a_figure_drawn_aside_is_the_same_to_the_letter():
     at_once = [escape(draw(line(panels=count), "fig1", "two < three")) for count in (1, 2)]
-    with drawing_aside(1) as aside:
+    with processes_aside(1) as processes:
+        aside = draws_by(processes)
         later = [aside(line(panels=count), "fig1", "two < three") for count in (1, 2)]
         assert [escape(picture) for picture in later] == at_once
     assert at_once[0].startswith('<svg role="img" aria-label="two &lt; three"')
@@ -27,7 +29,7 @@ def test_a_figure_drawn_aside_is_the_same_to_the_letter():
 
 
 def test_what_goes_wrong_is_told_where_the_picture_is_shown():
-    with drawing_aside(1) as aside:
-        picture = aside(line(panels=1), "not a name", "")
+    with processes_aside(1) as processes:
+        picture = draws_by(processes)(line(panels=1), "not a name", "")
         with pytest.raises(ValueError, match="letters, digits and hyphens"):
             escape(picture)

@@ -1,0 +1,60 @@
+import concurrent.futures
+import multiprocessing
+import os
+import sys
+import time
+
+import jax
+import pytest
+
+from experiments.runtime import processes_aside
+
+DROPPED = (concurrent.futures.CancelledError, concurrent.futures.BrokenExecutor)
+
+
+def asleep(seconds):
+    time.sleep(seconds)
+    return os.getpid()
+
+
+def computes():
+    return jax.config.jax_enable_x64, jax.config.jax_compilation_cache_dir
+
+
+def loaded():
+    import experiments.reports.report  # noqa: F401 - that it takes no time is what is tested
+
+    backends = sys.modules["jax._src.xla_bridge"]._backends
+    return time.process_time(), bool(backends)
+
+
+def test_they_compute_as_the_command_line_does(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    with processes_aside(1) as processes:
+        double, cache = processes.submit(computes).result()
+    assert double
+    assert cache == str(tmp_path / "scdpr-jax")
+
+
+def test_nobody_goes_on_working_afterwards():
+    before = {process.pid for process in multiprocessing.active_children()}
+    with processes_aside(2) as processes:
+        first = [processes.submit(asleep, 0.2) for _ in range(2)]
+        assert len({one.result() for one in first}) == 2
+        long = [processes.submit(asleep, 600.0) for _ in range(5)]
+        begun = time.monotonic()
+    assert time.monotonic() - begun < 60
+    for one in long:
+        with pytest.raises(DROPPED):
+            one.result(timeout=60)
+    assert {process.pid for process in multiprocessing.active_children()} <= before
+
+
+@pytest.mark.skipif(
+    "forkserver" not in multiprocessing.get_all_start_methods(), reason="nothing forks here"
+)
+def test_what_a_process_needs_is_loaded_once_and_nothing_runs_in_it_before_it_forks():
+    with processes_aside(1) as processes:
+        took, runs = processes.submit(loaded).result()
+    assert took < 1.0  # Loading takes two.
+    assert not runs
