@@ -67,6 +67,30 @@ def searched_from(frequency: float) -> Design:
     )
 
 
+def flat(design: Design) -> Float[np.ndarray, " n"]:
+    """A design as a row of numbers.
+
+    Args:
+        design: The design.
+
+    Returns:
+        Its numbers.
+    """
+    return np.concatenate([np.ravel(leaf) for leaf in jax.tree.leaves(design)])
+
+
+def design_of(numbers: Float[Array | np.ndarray, "... n"]) -> Design:
+    """The design that a row of numbers is.
+
+    Args:
+        numbers: The row, or several.
+
+    Returns:
+        The design.
+    """
+    return Design(numbers[..., :2], numbers[..., 2:4], numbers[..., 4], numbers[..., 5])
+
+
 _APART = 1.1
 """Time between the first two impulses over the held mode's period [1]."""
 

@@ -9,7 +9,6 @@ numbers. A gradient through the simulation isn't worth its compilation here.
 from typing import NamedTuple
 
 import jax
-import jax.flatten_util
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -18,7 +17,15 @@ from scdpr_jax.command.controller import PD
 from scdpr_jax.command.shaper import Shaper
 from scdpr_jax.numerics.progress import SILENT, Progress
 from tuning.gains.cross_entropy import cross_entropy
-from tuning.gains.design import LONGEST, SPREAD, controller_of, searched_from, shaper_of
+from tuning.gains.design import (
+    LONGEST,
+    SPREAD,
+    controller_of,
+    design_of,
+    flat,
+    searched_from,
+    shaper_of,
+)
 from tuning.gains.legs import IMPULSES, Law, Legs, at_period
 from tuning.gains.loss import loss
 from tuning.gains.outcome import outcome
@@ -74,8 +81,6 @@ def optimise(
     Returns:
         The best design seen.
     """
-    start, unflatten = jax.flatten_util.ravel_pytree(searched_from(frequency))
-    widths, _ = jax.flatten_util.ravel_pytree(SPREAD)
 
     def losses(
         designs: Float[np.ndarray, "population n"],
@@ -83,21 +88,21 @@ def optimise(
         crossed = len(designs), len(legs)
         laws = jax.tree.map(
             lambda leaf: np.repeat(np.asarray(leaf), crossed[1], axis=0),
-            _laws(jnp.asarray(designs), within),
+            _laws(designs, within),
         )
         tasks = legs.rows(np.tile(np.arange(crossed[1]), crossed[0]))
         return loss(outcome(tasks, laws).map(lambda own: own.reshape(crossed)), before)
 
     search = cross_entropy(
         losses,
-        np.asarray(start),
-        np.diag(np.square(np.asarray(widths))),
+        flat(searched_from(frequency)),
+        np.diag(np.square(flat(SPREAD))),
         population=effort.population,
         generations=effort.generations,
         seed=seed,
         progress=progress,
     )
-    best = unflatten(jnp.asarray(search.best))
+    best = design_of(search.best)
     return Optimum(controller_of(within, best), shaper_of(best), search.loss)
 
 
@@ -119,10 +124,9 @@ def scaled(shaper: Shaper, pace: float) -> Shaper:
 @jax.jit
 def _laws(designs: Float[Array, "population n"], within: Admissible) -> Law:
     """Controllers at the search's period, and shapers, of flat designs."""
-    _, unflatten = jax.flatten_util.ravel_pytree(SPREAD)
 
-    def law(flat: Float[Array, " n"]) -> Law:
-        design = unflatten(flat)
+    def law(numbers: Float[Array, " n"]) -> Law:
+        design = design_of(numbers)
         shaper = shaper_of(design)
         idle = IMPULSES - shaper.times.size
         room = Shaper(

@@ -101,7 +101,7 @@ def _moved_by_jax(
             continue
         given.append(_known(x, primitive.name))
     with jax.ensure_compile_time_eval():
-        places = np.asarray(primitive.bind(*map(jax.numpy.asarray, given), **how))
+        places = np.asarray(primitive.bind(*given, **how))
     # Where an index is outside, JAX fills with NaN.
     filled = np.append(values, Constant(float("nan")))
     return filled[np.where(np.isnan(places), values.size, places).astype(int)]
@@ -111,11 +111,11 @@ def _scattered_sum(
     scope: Scope, x: np.ndarray, place: np.ndarray, new: np.ndarray, **how: object
 ) -> np.ndarray:
     """An array with something added to some of it. JAX says where each number goes."""
-    places, total = jax.numpy.asarray(_known(place, "scatter-add")), x.copy()
+    places, total = _known(place, "scatter-add"), x.copy()
     for i, value in enumerate(new.flat):
         only = np.zeros(new.size)
         only[i] = 1.0
-        given = jax.numpy.zeros(x.shape), places, jax.numpy.asarray(only.reshape(new.shape))
+        given = np.zeros(x.shape), places, only.reshape(new.shape)
         with jax.ensure_compile_time_eval():
             marks = np.asarray(jax.lax.scatter_add_p.bind(*given, **how))
         for k in np.flatnonzero(marks):
