@@ -36,7 +36,7 @@ from tuning.result.prediction import LegsOutcome
 class Effort(NamedTuple):
     """How much is spent on a search."""
 
-    legs: int = 32
+    legs: int = 96
     """Random legs that a design is tried on."""
     population: int = 12
     """Designs of a generation."""
