@@ -10,11 +10,9 @@ import concurrent.futures
 import contextlib
 import gc
 import io
-import multiprocessing
+import multiprocessing.forkserver
 import os
-import threading
 from collections.abc import Iterator, Mapping
-from multiprocessing.context import BaseContext
 
 from experiments.runtime.entry_point import set_up
 from scdpr_jax.numerics.processes import deaf_to_interrupts, end_with_pool
@@ -33,43 +31,35 @@ def processes_aside(
     this is for the command line.
 
     Args:
-        number: How many. They begin to load at once, while the caller goes on.
+        number: How many. What they need begins to load at once, while the caller goes on.
 
     Yields:
         The pool. What it is still doing at the end is for nobody, and is dropped.
     """
+    fork = "forkserver" in multiprocessing.get_all_start_methods()
+    context = multiprocessing.get_context("forkserver" if fork else "spawn")
     pool = concurrent.futures.ProcessPoolExecutor(
         number,
-        mp_context=_context(),
+        mp_context=context,
         initializer=_begin,
         initargs=(dict(os.environ), gc.get_threshold()),
     )
     before = multiprocessing.active_children()
-    # To begin a process takes as long as loading does.
-    beginning = threading.Thread(target=_have_begin, args=(pool,))
-    beginning.start()
     try:
+        with deaf_to_interrupts():
+            if fork:
+                context.set_forkserver_preload([*_LOADED])
+                multiprocessing.forkserver.ensure_running()
+            else:
+                for _ in range(number):
+                    pool.submit(int)  # Nothing, but a process begins for it.
         yield pool
     finally:
-        beginning.join()
         pool.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():
             if process not in before:
                 process.kill()
                 process.join()
-
-
-def _context() -> BaseContext:
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([*_LOADED])
-    return context
-
-
-def _have_begin(pool: concurrent.futures.Executor) -> None:
-    with deaf_to_interrupts():
-        pool.submit(int)  # Nothing, but a process begins for it; the others, when asked for.
 
 
 def _begin(environment: Mapping[str, str], threshold: tuple[int, ...]) -> None:
