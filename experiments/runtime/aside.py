@@ -11,10 +11,13 @@ import contextlib
 import gc
 import io
 import multiprocessing.forkserver
+import multiprocessing.util
 import os
+import pathlib
 from collections.abc import Iterator, Mapping
 
 from experiments.runtime.entry_point import set_up
+from scdpr_jax.numerics.files.scratch import note_scratch
 from scdpr_jax.numerics.processes import deaf_to_interrupts, end_with_pool
 
 _LOADED = ("experiments.reports.report", "experiments.studies.pipeline")
@@ -50,6 +53,7 @@ def processes_aside(
             if fork:
                 context.set_forkserver_preload([*_LOADED])
                 multiprocessing.forkserver.ensure_running()
+                note_scratch(pathlib.Path(multiprocessing.util.get_temp_dir()))
             else:
                 for _ in range(number):
                     pool.submit(int)  # Nothing, but a process begins for it.

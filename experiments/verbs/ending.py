@@ -66,6 +66,7 @@ def leave(status: int) -> NoReturn:
     except OSError as error:
         _say(f"scdpr: the output can't be written, got {error.strerror}. Make room for it.")
         status = BAD_INPUT
+    remove_scratch()
     os._exit(status)
 
 

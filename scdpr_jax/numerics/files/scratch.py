@@ -104,6 +104,15 @@ def is_scratch(name: str | bytes | int) -> bool:
     )
 
 
+def note_scratch(path: pathlib.Path) -> None:
+    """Note what a library leaves behind where a process doesn't end by itself.
+
+    Args:
+        path: Its file or folder.
+    """
+    _on_the_way.add(path)
+
+
 def remove_scratch() -> None:
     """Remove what is on its way, as the process ends."""
     for path in tuple(_on_the_way):

@@ -1,6 +1,7 @@
 import concurrent.futures
 import multiprocessing
 import os
+import subprocess
 import sys
 import time
 
@@ -58,3 +59,23 @@ def test_what_a_process_needs_is_loaded_once_and_nothing_runs_in_it_before_it_fo
         took, runs = processes.submit(loaded).result()
     assert took < 1.0  # Loading takes two.
     assert not runs
+
+
+LEAVES = """
+from experiments.runtime import processes_aside
+from experiments.verbs.ending import leave
+
+if __name__ == "__main__":
+    with processes_aside(1) as processes:
+        processes.submit(int).result()
+    leave(0)
+"""
+
+
+def test_who_leaves_at_once_leaves_no_folder_behind(tmp_path):
+    script, temporary = tmp_path / "leaves.py", tmp_path / "temporary"
+    script.write_text(LEAVES)
+    temporary.mkdir()
+    environment = {**os.environ, "TMPDIR": str(temporary)}
+    subprocess.run([sys.executable, str(script)], env=environment, check=True, timeout=120)
+    assert not any(temporary.iterdir())
