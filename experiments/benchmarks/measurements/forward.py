@@ -9,7 +9,7 @@ from jaxtyping import Float
 from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.measurements.batched import batched, best_chunk, call
 from experiments.benchmarks.measurements.timing import Timed, interleaved
-from experiments.benchmarks.peers import mujoco_peer, scipy_peer
+from experiments.benchmarks.peers import casadi_peer, mujoco_peer, scipy_peer
 from experiments.benchmarks.peers.contender import Contender
 from experiments.benchmarks.peers.diffrax_peers import WIDTH, Smoothed, SmoothedLinear
 from experiments.benchmarks.peers.engines import ByXla, LinearEngine, NonlinearEngine
@@ -58,10 +58,11 @@ def nonlinear(settings: Settings) -> Iterator[Line]:
     yield from _forward(row, NonlinearEngine, Smoothed, settings)
     truth = batched(NonlinearEngine(REFINED * PARTS), drawn(JUDGED), chunk=JUDGED)[0]
     yield _single(row, scipy_peer.NAME, scipy_peer.run, truth, settings)
-    if missing := mujoco_peer.missing():
-        yield Line(row, mujoco_peer.NAME, 1, note=f"not run: {missing}")
-    else:
-        yield _single(row, mujoco_peer.NAME, mujoco_peer.run, truth, settings)
+    for peer in (casadi_peer, mujoco_peer):
+        if missing := peer.missing():
+            yield Line(row, peer.NAME, 1, note=f"not run: {missing}")
+        else:
+            yield _single(row, peer.NAME, peer.run, truth, settings)
 
 
 def _forward(

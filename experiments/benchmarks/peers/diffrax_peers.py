@@ -51,7 +51,7 @@ class Smoothed(Contender):
             start_of(robot),
             voltage=jnp.asarray(TORQUE_STEP[:: ROWS // 2]),
             times=jnp.array([0.0, _SWITCH, DURATION]),
-            save_at=LOG * jnp.arange(ROWS + 1),
+            save_at=LOG * jnp.arange(ROWS + 1.0),
             method=Adaptive(
                 self.solver,
                 self.rtol,
@@ -86,7 +86,7 @@ class SmoothedLinear(Contender):
             t1=DURATION,
             dt0=None,
             y0=jnp.concatenate([start.position, start.velocity]),
-            saveat=diffrax.SaveAt(ts=LOG * jnp.arange(ROWS + 1)),
+            saveat=diffrax.SaveAt(ts=LOG * jnp.arange(ROWS + 1.0)),
             stepsize_controller=diffrax.ClipStepSizeController(
                 pid, jump_ts=jnp.array([_SWITCH])
             ),

@@ -2,6 +2,7 @@
 
 import json
 
+import diffrax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from experiments.benchmarks.line import Line, Settings
 from experiments.benchmarks.measurements import timing
 from experiments.benchmarks.measurements.batched import batched
 from experiments.benchmarks.measurements.timing import fastest, interleaved
-from experiments.benchmarks.peers import mujoco_peer
+from experiments.benchmarks.peers import casadi_peer, mujoco_peer
+from experiments.benchmarks.peers.diffrax_peers import Smoothed
 from experiments.benchmarks.problem import MIDDLE, SPREAD, drawn, error
 from experiments.verbs.study.benchmark import Row
 
@@ -96,6 +98,24 @@ def test_what_is_not_run_stands_in_the_table_with_its_reason(tmp_path):
     assert document["lines"][0]["rate"] == 32000.0
     assert document["machine"]["jax"]
     assert document["settings"] == {"repeats": 3, "largest_batch": 64}
+
+
+@pytest.mark.skipif(bool(casadi_peer.missing()), reason=casadi_peer.missing())
+def test_casadis_equations_and_runs_are_those_of_the_smoothed_robot():
+    equations, random = casadi_peer.slope_in_casadi(), np.random.default_rng(0)
+    for values in drawn(5):
+        state = np.array([0.5, 0.0, 0.5, 0.5, 0.4, *[0.0] * 5]) + 0.1 * random.normal(size=10)
+        voltage = 3 * random.normal(size=2)
+        expected = np.asarray(casadi_peer.slope(*map(jnp.asarray, (state, values, voltage))))
+        found = np.asarray(equations(state, values, voltage)).ravel()
+        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
+        own = Smoothed(diffrax.Tsit5(), 1e-8)(jnp.asarray(values))
+        assert error(casadi_peer.run(values), np.asarray(own)) <= 1e-4
+
+
+def test_a_peer_that_is_not_here_says_so(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert "extra of that name" in casadi_peer.missing()
 
 
 @pytest.mark.skipif(bool(mujoco_peer.missing()), reason=mujoco_peer.missing())
