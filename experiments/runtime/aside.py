@@ -15,6 +15,7 @@ import multiprocessing.util
 import os
 import pathlib
 from collections.abc import Iterator, Mapping
+from multiprocessing.context import BaseContext
 
 from experiments.runtime.entry_point import set_up
 from scdpr_jax.numerics.files.scratch import note_scratch
@@ -39,8 +40,7 @@ def processes_aside(
     Yields:
         The pool. What it is still doing at the end is for nobody, and is dropped.
     """
-    fork = "forkserver" in multiprocessing.get_all_start_methods()
-    context = multiprocessing.get_context("forkserver" if fork else "spawn")
+    context = _loading()
     pool = concurrent.futures.ProcessPoolExecutor(
         number,
         mp_context=context,
@@ -49,21 +49,30 @@ def processes_aside(
     )
     before = multiprocessing.active_children()
     try:
-        with deaf_to_interrupts():
-            if fork:
-                context.set_forkserver_preload([*_LOADED])
-                multiprocessing.forkserver.ensure_running()
-                note_scratch(pathlib.Path(multiprocessing.util.get_temp_dir()))
-            else:
+        if context.get_start_method() == "spawn":
+            with deaf_to_interrupts():
                 for _ in range(number):
                     pool.submit(int)  # Nothing, but a process begins for it.
         yield pool
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():
             if process not in before:
                 process.kill()
                 process.join()
+        pool.shutdown(cancel_futures=True)
+
+
+def _loading() -> BaseContext:
+    """How processes begin: as forks of one that begins to load, or each by itself."""
+    if "forkserver" in multiprocessing.get_all_start_methods():
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload([*_LOADED])
+        # Its socket's name may be longer than sockets' are, as a folder's may be.
+        with contextlib.suppress(OSError), deaf_to_interrupts():
+            note_scratch(pathlib.Path(multiprocessing.util.get_temp_dir()))
+            multiprocessing.forkserver.ensure_running()
+            return context
+    return multiprocessing.get_context("spawn")
 
 
 def _begin(environment: Mapping[str, str], threshold: tuple[int, ...]) -> None:

@@ -1,8 +1,10 @@
 import concurrent.futures
 import multiprocessing
 import os
+import pathlib
 import subprocess
 import sys
+import tempfile
 import time
 
 import jax
@@ -62,20 +64,32 @@ def test_what_a_process_needs_is_loaded_once_and_nothing_runs_in_it_before_it_fo
 
 
 LEAVES = """
+import time
 from experiments.runtime import processes_aside
 from experiments.verbs.ending import leave
 
-if __name__ == "__main__":
+def main():
     with processes_aside(1) as processes:
         processes.submit(int).result()
+        processes.submit(time.sleep, 600)
+
+if __name__ == "__main__":
+    main()
     leave(0)
 """
 
 
-def test_who_leaves_at_once_leaves_no_folder_behind(tmp_path):
-    script, temporary = tmp_path / "leaves.py", tmp_path / "temporary"
+@pytest.mark.parametrize("name", ["short", "long" * 30], ids=["short", "long"])
+def test_who_leaves_at_once_leaves_no_folder_behind(name, tmp_path):
+    script = tmp_path / "leaves.py"
     script.write_text(LEAVES)
-    temporary.mkdir()
-    environment = {**os.environ, "TMPDIR": str(temporary)}
-    subprocess.run([sys.executable, str(script)], env=environment, check=True, timeout=120)
-    assert not any(temporary.iterdir())
+    with tempfile.TemporaryDirectory() as near:
+        temporary = pathlib.Path(near, name)  # No socket has a name of 120 letters.
+        temporary.mkdir()
+        environment = {**os.environ, "TMPDIR": str(temporary)}
+        call = [sys.executable, str(script)]
+        ended = subprocess.run(
+            call, env=environment, check=True, timeout=120, capture_output=True, text=True
+        )
+        assert (ended.stdout, ended.stderr) == ("", "")
+        assert not any(temporary.iterdir())
