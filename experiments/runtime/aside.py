@@ -11,6 +11,7 @@ import contextlib
 import gc
 import io
 import multiprocessing.forkserver
+import multiprocessing.resource_tracker
 import multiprocessing.util
 import os
 import pathlib
@@ -67,6 +68,8 @@ def _loading() -> BaseContext:
     if "forkserver" in multiprocessing.get_all_start_methods():
         context = multiprocessing.get_context("forkserver")
         context.set_forkserver_preload([*_LOADED])
+        # Whoever begins it unblocks Ctrl-C, so it has to be there before.
+        multiprocessing.resource_tracker.ensure_running()
         # Its socket's name may be longer than sockets' are, as a folder's may be.
         with contextlib.suppress(OSError), deaf_to_interrupts():
             note_scratch(pathlib.Path(multiprocessing.util.get_temp_dir()))

@@ -2,6 +2,7 @@ import concurrent.futures
 import multiprocessing
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -93,3 +94,42 @@ def test_who_leaves_at_once_leaves_no_folder_behind(name, tmp_path):
         )
         assert (ended.stdout, ended.stderr) == ("", "")
         assert not any(temporary.iterdir())
+
+
+HEARS = """
+import signal
+import time
+from experiments.runtime import processes_aside
+from experiments.verbs.ending import leave
+
+def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with processes_aside(1) as processes:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        print("loads", flush=True)
+        processes.submit(time.sleep, 0.5).result()
+
+if __name__ == "__main__":
+    main()
+    leave(0)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signals")
+def test_nobody_who_loads_hears_ctrl_c(tmp_path):
+    script = tmp_path / "hears.py"
+    script.write_text(HEARS)
+    pipe = subprocess.PIPE
+    child = subprocess.Popen(
+        [sys.executable, str(script)],
+        stdout=pipe,
+        stderr=pipe,
+        text=True,
+        start_new_session=True,
+    )
+    assert child.stdout.readline() == "loads\n"
+    for _ in range(20):
+        os.killpg(child.pid, signal.SIGINT)
+        time.sleep(0.1)
+    assert child.communicate(timeout=120) == ("", "")
+    assert child.returncode == 0
