@@ -203,7 +203,8 @@ def _put_together(
     pixels = np.array([each.pixel for each in read.markers])
     again = doubled(read.change, pixels)
     shake = shake_of(mark_pixels, clock, ~again & np.isfinite(mark_pixels[..., 0]).any(axis=1))
-    mean = _without_colour(vision, lens, mean_marks(mark_pixels[~again], shake.filled[~again]))
+    steady = shake.without(mark_pixels, clock)[~again]
+    mean = _without_colour(vision, lens, mean_marks(steady))
     fit = _plane(vision, lens, mean)
     whole = whole_markers(
         pixels,

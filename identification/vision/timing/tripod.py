@@ -42,7 +42,7 @@ class Shake:
     drift: Float64[np.ndarray, "frames 2"]
     """What is added to it with each second after [px/s]."""
     rest_variance: Float64[np.ndarray, "frames 2"]
-    """Of `rest` [px²]."""
+    """Of shift and `rest` together [px²]."""
     drift_variance: Float64[np.ndarray, "frames 2"]
     """Of `drift` [px²/s²]."""
 
@@ -65,8 +65,25 @@ class Shake:
         Returns:
             The shift then [px].
         """
-        after = (wanted - times - self.pivot)[:, None]
+        # A picture without a stamp has no rows' times either.
+        after = np.nan_to_num(wanted - times - self.pivot)[:, None]
         return _between(self.shift, times, wanted) + self.rest + self.drift * after
+
+    def without(
+        self, pixels: Float64[np.ndarray, "frames spots 2"], clock: Clock
+    ) -> Float64[np.ndarray, "frames spots 2"]:
+        """Where spots would be seen by a steady camera.
+
+        Args:
+            pixels: Where they are seen; NaN where they aren't [px].
+            clock: When which row is exposed.
+
+        Returns:
+            The same without the shift at each one's own row [px].
+        """
+        wanted = clock.frames[:, None] + clock.offset(pixels[..., 1])
+        shifts = [self.at(clock.frames, own) for own in wanted.T]
+        return pixels - np.stack(shifts, axis=1)
 
     def error(
         self, after: Float64[np.ndarray, "frames markers"]
@@ -90,19 +107,16 @@ class Shake:
 
 
 def mean_marks(
-    pixels: Float64[np.ndarray, "frames marks 2"],
-    shake: Float64[np.ndarray, "frames 2"],
+    steady: Float64[np.ndarray, "frames marks 2"],
 ) -> Float64[np.ndarray, "marks 2"]:
-    """Where the marks are in the mean, the shake taken off.
+    """Where the marks are in the mean.
 
     Args:
-        pixels: Where they are seen; NaN where they aren't [px].
-        shake: How far each picture is shifted [px].
+        steady: Where they are seen, the shake taken off; NaN where they aren't [px].
 
     Returns:
         Means of the middle half; NaN where a mark was never seen [px].
     """
-    steady = pixels - shake[:, None]
     means = np.full(steady.shape[1:], np.nan)
     for k in range(steady.shape[1]):
         seen = np.sort(steady[np.isfinite(steady[:, k, 0]), k], axis=0)
@@ -135,7 +149,7 @@ def shake_of(
     counted = np.where(usable[:, None, None], pixels, np.nan)
     for _ in range(_ROUNDS):
         filled = _filled(shift)
-        apart = counted - mean_marks(counted[usable], filled[usable])
+        apart = counted - mean_marks((counted - filled[:, None])[usable])
         together = _means(apart)
         within = np.nanmean((apart - together[:, None]) ** 2)
         count = max(np.isfinite(pixels[..., 0]).sum(axis=1).mean(), 1.0)
@@ -200,7 +214,8 @@ def _between(
     wanted: Float64[np.ndarray, " frames"],
 ) -> Float64[np.ndarray, "frames 2"]:
     """Shifts at a row's time, by those of the pictures before and after [px]."""
-    return _filled(at_frame_times(shift, times, wanted))
+    rows = np.where(np.isfinite(wanted), wanted, times)
+    return _filled(at_frame_times(shift, times, rows))
 
 
 def _means(apart: Float64[np.ndarray, "frames marks 2"]) -> Float64[np.ndarray, "frames 2"]:
