@@ -11,7 +11,7 @@ from identification.vision.spots.bodies import of_bodies, rigid_pose
 from identification.vision.spots.marks import colour_magnification
 from identification.vision.timing.clock import Clock
 from identification.vision.timing.shutter import at_frame_times, interpolation_error
-from identification.vision.timing.tripod import shake_at
+from identification.vision.timing.tripod import Shake
 
 COLUMNS = ("x_e", "y_e", "delta_e", "q_3", "q_4")
 """Columns of `camera.csv` after the time."""
@@ -75,7 +75,7 @@ def poses_of(
     clock: Clock,
     pixels: Float64[np.ndarray, "frames markers 2"],
     whole: Bool[np.ndarray, "frames markers"],
-    shake: Float64[np.ndarray, "frames 2"],
+    shake: Shake,
 ) -> Poses:
     """The poses at the pictures' times.
 
@@ -85,7 +85,7 @@ def poses_of(
         clock: When which row is exposed.
         pixels: Where the markers are seen [px].
         whole: Which of them count.
-        shake: How far each picture is shifted [px].
+        shake: How far each picture is shifted.
 
     Returns:
         The poses.
@@ -117,14 +117,14 @@ def _places(
     clock: Clock,
     pixels: Float64[np.ndarray, "frames markers 2"],
     whole: Bool[np.ndarray, "frames markers"],
-    shake: Float64[np.ndarray, "frames 2"],
+    shake: Shake,
 ) -> tuple[Float64[np.ndarray, "frames markers 2"], Float64[np.ndarray, "frames markers 2"]]:
     """Where each marker was at the pictures' times, and how unsure it is by its row [m]."""
     places, unsure = np.full(pixels.shape, np.nan), np.full(pixels.shape, np.nan)
     for k, marker in enumerate(vision.markers):
         steady = np.where(whole[:, k, None], pixels[:, k], np.nan)
         times = clock.frames + clock.offset(steady[:, 1])
-        steady = steady - shake_at(shake, clock.frames, times)
+        steady = steady - shake.at(clock.frames, times)
         own = colour_magnification(vision, marker, view.lens.lateral)
         steady = view.lens.without_colour(steady, own)
         if marker.diameter is not None:

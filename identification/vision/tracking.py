@@ -26,7 +26,7 @@ from identification.vision.spots.marks import (
     require_fit,
 )
 from identification.vision.timing.clock import Clock, doubled, dropped, read_clock, read_stamps
-from identification.vision.timing.tripod import mean_marks, shake_error, shake_of
+from identification.vision.timing.tripod import mean_marks, shake_of
 from identification.vision.uncertainty import Sigma, sigma_of
 from scdpr_jax.numerics.progress import SILENT, Progress
 
@@ -203,7 +203,8 @@ def _put_together(
     pixels = np.array([each.pixel for each in read.markers])
     again = doubled(read.change, pixels)
     shake = shake_of(mark_pixels, clock, ~again & np.isfinite(mark_pixels[..., 0]).any(axis=1))
-    mean = _without_colour(vision, lens, mean_marks(mark_pixels[~again], shake[~again]))
+    steady = shake.without(mark_pixels, clock)[~again]
+    mean = _without_colour(vision, lens, mean_marks(steady))
     fit = _plane(vision, lens, mean)
     whole = whole_markers(
         pixels,
@@ -214,19 +215,20 @@ def _put_together(
     counts = whole & ~again[:, None] & np.isfinite(clock.frames)[:, None]
     variance = np.array([each.variance for each in read.markers])
     poses = poses_of(vision, fit.marks.view, clock, pixels, counts, shake)
+    after = clock.offset(np.where(counts, pixels[..., 1], np.nan))
     return Tracked(
         clock,
         poses,
         fit.marks,
-        sigma_of(vision, fit, poses, variance, shake_error(mark_pixels, clock, shake)),
+        sigma_of(vision, fit, poses, variance, shake.error(after)),
         read.start,
         mark_pixels,
         pixels,
-        shake,
+        shake.filled,
         again,
         tuple(name for body, _ in of_bodies(vision) for name in OF_BODY[body]),
         dropped(clock.frames if vision.time.stamps else read.stored),
-        (*notes, *_warnings(vision, read, clock, shake)),
+        (*notes, *_warnings(vision, read, clock, shake.filled)),
     )
 
 

@@ -30,7 +30,7 @@ _OF_KEPT = 0.7588  # mean square of a normal deviate's smaller 95 %
 _OF_UNSURE = 0.18  # of the step from one order to the next, by rendered films
 _STANDS_OUT, _OF_KINK = 6.0, 0.8  # of the median; of the step
 _LEAST_RATIO = 1e-2
-_CODED = 1.16  # a codec smooths away what discs, heights and distances would show
+_CODED = 1.16  # a codec smooths away what discs, marks, heights and distances would show
 _BELIEVED = 0.6  # share of a body's word: it scatters, too, and discs alone are within a fifth
 _ORDER, _FRAMES = (
     2,
@@ -44,8 +44,8 @@ class Noise:
 
     own: Float64[np.ndarray, "2 markers"]
     """Each marker's, along x and along y [m]."""
-    shake: Float64[np.ndarray, " 2"]
-    """What the shift of a picture is off by, along x and along y, and so each marker [m]."""
+    shake: Float64[np.ndarray, "2 markers"]
+    """What the shift at each marker's row is off by, along x and along y, and so it is [m]."""
     rows: dict[str, float]
     """Each column's, by rows that have another time than their picture [m, rad]."""
 
@@ -55,7 +55,7 @@ def noise_of(
     view: View,
     poses: Poses,
     variance: Float64[np.ndarray, "frames markers 2"],
-    shake: Float64[np.ndarray, " 2"],
+    shake: Float64[np.ndarray, "2 markers"],
 ) -> Noise:
     """Noise of the markers.
 
@@ -65,20 +65,21 @@ def noise_of(
         poses: The poses.
         variance: Of each marker's coordinates in each picture, by its disc; NaN where that
             doesn't tell [px²].
-        shake: How far the shift of a picture is off along each direction [px].
+        shake: How far the shift at each marker's row is off along each direction [px].
 
     Returns:
         Their noise.
     """
     expected = _expected(vision, view, poses, variance)
     rigid = np.mean(list(_of_rigid(vision, poses, expected)) or [np.nan])
-    guided = np.mean(list(_of_guided(vision, poses, expected)) or [np.nan])
+    shaken = _of_shake(vision, view, poses, shake)
+    guided = np.mean(list(_of_guided(vision, poses, expected, shaken[1] ** 2)) or [np.nan])
     own = expected.copy()
     for k, marker in enumerate(vision.markers):
         words = (rigid, guided) if marker.body == "end_effector" else (guided, rigid)
         word = next((each for each in words if np.isfinite(each)), 0.0)
         own[k] *= _CODED**2 * np.exp(_BELIEVED * word)
-    return Noise(np.sqrt(own).T, _of_shake(vision, view, poses, shake), _of_rows(vision, poses))
+    return Noise(np.sqrt(own).T, _CODED * shaken, _of_rows(vision, poses))
 
 
 def _expected(
@@ -120,14 +121,20 @@ def _of_rigid(
 
 
 def _of_guided(
-    vision: Vision, poses: Poses, expected: Float64[np.ndarray, "markers 2"]
+    vision: Vision,
+    poses: Poses,
+    expected: Float64[np.ndarray, "markers 2"],
+    shake: Float64[np.ndarray, " markers"],
 ) -> Iterator[float]:
-    """How much more carriages' heights scatter than their discs let expect [ln]."""
+    """How much more carriages' heights scatter than discs and shake let expect [ln].
+
+    A shake that isn't known well moves them, too, and is told by the marks.
+    """
     for k, marker in enumerate(vision.markers):
         seen = np.isfinite(poses.places[:, k, 0])
         if marker.body != "end_effector" and seen.any():
             along, height = poses.places[seen, k].T
-            yield _ratio(_trimmed(_straight(height, along)), expected[k, 1])
+            yield _ratio(_trimmed(_straight(height, along)), expected[k, 1] + shake[k])
 
 
 def _ratio(scatter: float, expected: float) -> float:
@@ -160,15 +167,17 @@ def _projector(own: Float64[np.ndarray, "markers 2"]) -> Float64[np.ndarray, "nu
 
 
 def _of_shake(
-    vision: Vision, view: View, poses: Poses, shake: Float64[np.ndarray, " 2"]
-) -> Float64[np.ndarray, " 2"]:
-    """What a shift of the picture makes of the markers' places along x and along y [m]."""
-    depth = float(np.mean([marker.depth for marker in vision.markers]))
-    middle = np.nanmedian(poses.places, axis=(0, 1))
-    if not shake.any() or not np.isfinite(middle).all():
-        return np.zeros(2)
-    footprint = view.footprint(np.array([*middle, depth]))
-    return np.sqrt(np.linalg.inv(footprint) ** 2 @ shake**2)
+    vision: Vision, view: View, poses: Poses, shake: Float64[np.ndarray, "2 markers"]
+) -> Float64[np.ndarray, "2 markers"]:
+    """What a shift of the picture makes of each marker's place along x and along y [m]."""
+    moves = np.zeros_like(shake)
+    for k, marker in enumerate(vision.markers):
+        seen = np.isfinite(poses.places[:, k, 0])
+        if seen.any() and shake[:, k].any():
+            place = np.median(poses.places[seen, k], axis=0)
+            footprint = view.footprint(np.array([*place, marker.depth]))
+            moves[:, k] = np.sqrt(np.linalg.inv(footprint) ** 2 @ shake[:, k] ** 2)
+    return moves
 
 
 def _straight(

@@ -66,7 +66,7 @@ def sigma_of(
     fit: Adjusted,
     poses: Poses,
     variance: Float64[np.ndarray, "frames markers 2"],
-    shake: Float64[np.ndarray, " 2"],
+    shake: Float64[np.ndarray, "2 markers"],
 ) -> Sigma:
     """How far the poses may be off.
 
@@ -75,7 +75,7 @@ def sigma_of(
         fit: The lens and the marks' plane.
         poses: The poses.
         variance: Of each marker's coordinates in each picture, by its disc [px²].
-        shake: How far the shift of a picture is off along each direction [px].
+        shake: How far the shift at each marker's row is off along each direction [px].
 
     Returns:
         Standard deviations.
@@ -122,7 +122,7 @@ def _medians(
 def _of_noise(vision: Vision, body: str, members: list[int], noise: Noise) -> dict[str, float]:
     """What independent noise of a body's markers makes of its columns, and what all share."""
     along_x, along_y = (noise.own[:, members] ** 2).mean(axis=1)
-    shake_x, shake_y = noise.shake**2
+    shake_x, shake_y = (noise.shake[:, members] ** 2).mean(axis=1)
     rows = {name: noise.rows[name] ** 2 for name in OF_BODY[body]}
     if body != "end_effector":
         return {name: along_x / len(members) + shake_x + each for name, each in rows.items()}
