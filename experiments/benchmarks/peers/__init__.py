@@ -1,1 +1,1 @@
-"""Engines that the same problem is given to: ours, diffrax, scipy and MuJoCo."""
+"""Engines that the same problem is given to: ours, diffrax, scipy, CasADi and MuJoCo."""

@@ -116,7 +116,8 @@ def _evaluated(program: Program, given: "dict[str, casadi.SX]") -> "list[casadi.
         return source.value if isinstance(source, Constant) else values[source]
 
     for statement in program.body:
-        assert isinstance(statement, Operation)
+        if not isinstance(statement, Operation):
+            raise NotImplementedError(f"CasADi is given no control flow, got {statement}.")
         sources = [of(source) for source in statement.sources]
         if isinstance(statement.target, Cell):
             (written[statement.target.number],) = sources

@@ -28,7 +28,7 @@ def benchmark(
     repeats: int = 5,
     largest_batch: int = 4096,
 ) -> int:
-    """Measure this engine beside diffrax, scipy and MuJoCo on one problem.
+    """Measure this engine beside diffrax, scipy, CasADi and MuJoCo on one problem.
 
     Give it a quiet machine, for a quarter of an hour or more; most of it is compilation. What
     isn't run stands in the table with its reason.
