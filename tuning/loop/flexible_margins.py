@@ -22,18 +22,12 @@ from tuning.loop.flexible_loop import (
     controller_response,
     plants,
 )
-from tuning.loop.margins import Margins
+from tuning.loop.margins import DECADES, HALVINGS, SECTIONS, Margins, crossover_scale
 
 _EVEN_POINTS = 256
 """Grid points that lie evenly over the logarithm of the frequency."""
-_DECADES = 3.0
-"""Decades scanned below the bare drive's crossover."""
 _NEAR = np.array([10 ** -(power / 2) for power in range(1, 14)])
 """Relative distances of grid points from a resonance: damping ratios down to 1e-6 show."""
-_HALVINGS = 26
-"""Halvings of a grid interval: half of a double's digits, and a last step doubles them."""
-_SECTIONS = 40
-"""Golden sections of two grid intervals: the least distance errs by the square of the place."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -99,7 +93,9 @@ def flexible_margins(
     radius = np.max(np.abs(poles), axis=-1)
     shape = *several, len(JOINT_LOOPS), len(robots.frame.height), len(heights)
     scale = np.zeros((each.period.size, *shape[-3:]))
-    scale += _scales(robots, each)[:, None, :, None]
+    side_by_side = jax.tree.map(lambda leaf: leaf[:, None], each)
+    bare = crossover_scale(drive_gain(robots.drive), drive_pole(robots.drive), side_by_side)
+    scale += bare[:, None, :, None]
     special = np.concatenate(
         [
             np.tile(resonances, (each.period.size, 1)),
@@ -147,20 +143,11 @@ class _Loops:
         )
 
 
-def _scales(robots: Robot, controllers: PD) -> Float[np.ndarray, "controllers robots"]:
-    """Gain crossovers of bare drives, see `tuning.loop.margins.crossover_scale` [rad/s]."""
-    gain, pole = drive_gain(robots.drive), drive_pole(robots.drive)
-    constant = np.outer(controllers.proportional_gain, gain)
-    slope = np.outer(controllers.derivative_gain, gain)
-    linear = (np.square(pole) - np.square(slope)) / 2
-    return np.sqrt(np.hypot(linear, constant) - linear)
-
-
 def _grid(
     scale: Float[np.ndarray, " loops"], period: float, special: Float[np.ndarray, "loops k"]
 ) -> Float[np.ndarray, "loops points"]:
     nyquist = np.pi / period
-    lowest = 10**-_DECADES * np.minimum(scale, nyquist)[:, None]
+    lowest = 10**-DECADES * np.minimum(scale, nyquist)[:, None]
     even = lowest * (nyquist / lowest) ** np.linspace(0.0, 1.0, _EVEN_POINTS)
     near = np.concatenate([1 / (1 + _NEAR), 1 + _NEAR])
     around = (special[:, :, None] * near).reshape(len(special), -1)
@@ -227,7 +214,7 @@ def _crossings(
     row, column = np.nonzero(marks)
     low, high = grid[row, column], grid[row, column + 1]
     sign = np.sign(measure(loops(row, low)))
-    for _ in range(_HALVINGS):
+    for _ in range(HALVINGS):
         middle = (low + high) / 2
         before = measure(loops(row, middle)) * sign > 0
         low, high = np.where(before, middle, low), np.where(before, high, middle)
@@ -274,7 +261,7 @@ def _peak_sensitivity(
     high = grid[every, np.minimum(nearest + 1, grid.shape[1] - 1)]
     left, right = high - golden * (high - low), low + golden * (high - low)
     at_left, at_right = distance(left), distance(right)
-    for _ in range(_SECTIONS):
+    for _ in range(SECTIONS):
         go_left = at_left < at_right
         low, high = np.where(go_left, low, left), np.where(go_left, right, high)
         inside, at_inside = np.where(go_left, left, right), np.where(go_left, at_left, at_right)

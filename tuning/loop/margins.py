@@ -17,11 +17,11 @@ from tuning.loop.responses import continuous_loop, sampled_loop
 
 _POINTS = 512
 """Grid points; a resonance narrower than 2 % of its frequency could slip between them."""
-_DECADES = 3.0
+DECADES = 3.0
 """Decades scanned below, and in the continuous loop above, the crossover's scale."""
-_HALVINGS = 26
+HALVINGS = 26
 """Halvings of a grid interval: half of a double's digits, and Newton's step doubles them."""
-_SECTIONS = 40
+SECTIONS = 40
 """Golden sections of two grid intervals: the least distance errs by the square of the place."""
 
 
@@ -77,8 +77,8 @@ def continuous_margins(plant: MotorPlant, controller: PD) -> Margins:
     Returns:
         The margins, differentiable in the plant and the controller.
     """
-    scale = crossover_scale(plant, controller)
-    exponents = jnp.linspace(-_DECADES, _DECADES, _POINTS, dtype=scale.dtype)
+    scale = _scale(plant, controller)
+    exponents = jnp.linspace(-DECADES, DECADES, _POINTS, dtype=scale.dtype)
     response = Response(continuous_loop, plant, controller)
     return _margins(response, scale * 10**exponents, at_nyquist=False)
 
@@ -109,24 +109,41 @@ def sampled_margins(plant: MotorPlant, controller: PD, *, delay: int = 1) -> Mar
 def _sampled_margins(plant: MotorPlant, controller: PD, *, delay: int) -> tuple[Array, ...]:
     # A rate that is fitted or optimised moves the Nyquist frequency with it.
     nyquist = jnp.pi / controller.period
-    lowest = 10**-_DECADES * jnp.minimum(crossover_scale(plant, controller), nyquist)
+    lowest = 10**-DECADES * jnp.minimum(_scale(plant, controller), nyquist)
     share = jnp.linspace(0.0, 1.0, _POINTS, dtype=lowest.dtype)
     response = Response(functools.partial(sampled_loop, delay=delay), plant, controller)
     made = _margins(response, lowest * (nyquist / lowest) ** share, at_nyquist=True)
     return tuple(jax.tree.leaves(made))
 
 
-def crossover_scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
+def crossover_scale(
+    gain: Float[Array | np.ndarray, "..."],
+    pole: Float[Array | np.ndarray, "..."],
+    controller: PD,
+) -> Float[Array | np.ndarray, "..."]:
     r"""Gain crossover of the continuous loop without a filter, to place the grid.
 
     $\omega^4 + (p^2 - g^2 K_d^2) \omega^2 - g^2 K_p^2 = 0$ has one positive root.
+
+    Args:
+        gain: Of the plant, see `MotorPlant` [rad/s²/V].
+        pole: Of the plant [1/s].
+        controller: The controller, or several, whose arrays broadcast with the plant's.
+
+    Returns:
+        Angular frequencies [rad/s]: JAX's arrays of JAX's, NumPy's of NumPy's.
     """
-    linear = (jnp.square(plant.pole) - jnp.square(plant.gain * controller.derivative_gain)) / 2
-    constant = jnp.square(plant.gain * controller.proportional_gain)
-    root = jnp.hypot(linear, jnp.sqrt(constant))
+    xp = gain.__array_namespace__()
+    linear = (xp.square(pole) - xp.square(gain * controller.derivative_gain)) / 2
+    constant = xp.square(gain * controller.proportional_gain)
+    root = xp.hypot(linear, xp.sqrt(constant))
     # The form without a difference of equals, whichever sign the linear term has.
-    square = jnp.where(linear > 0, constant / (root + jnp.abs(linear)), root - linear)
-    return jax.lax.stop_gradient(jnp.sqrt(square))
+    square = xp.where(linear > 0, constant / (root + xp.abs(linear)), root - linear)
+    return xp.sqrt(square)
+
+
+def _scale(plant: MotorPlant, controller: PD) -> Float[Array, ""]:
+    return jax.lax.stop_gradient(crossover_scale(plant.gain, plant.pole, controller))
 
 
 def _margins(response: Response, grid: Float[Array, " points"], *, at_nyquist: bool) -> Margins:
@@ -271,7 +288,7 @@ def root(
         before = function(middle) * sign > 0
         return jnp.where(before, middle, lower), jnp.where(before, upper, middle)
 
-    lower, upper = jax.lax.fori_loop(0, _HALVINGS, halve, (low, high))
+    lower, upper = jax.lax.fori_loop(0, HALVINGS, halve, (low, high))
     root = (lower + upper) / 2
     slope = jax.jvp(function, (root,), (jnp.ones_like(root),))[1]
     flat = slope == 0
@@ -294,5 +311,5 @@ def _minimum(
         go_left = at_left < at_right
         return jnp.where(go_left, lower, left), jnp.where(go_left, right, upper)
 
-    lower, upper = jax.lax.fori_loop(0, _SECTIONS, narrow, (low, high))
+    lower, upper = jax.lax.fori_loop(0, SECTIONS, narrow, (low, high))
     return (lower + upper) / 2

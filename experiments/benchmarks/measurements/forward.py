@@ -11,8 +11,9 @@ from experiments.benchmarks.measurements.batched import batched, best_chunk, cal
 from experiments.benchmarks.measurements.timing import Timed, interleaved
 from experiments.benchmarks.peers import casadi_peer, mujoco_peer, scipy_peer
 from experiments.benchmarks.peers.contender import Contender
-from experiments.benchmarks.peers.diffrax_peers import WIDTH, Smoothed, SmoothedLinear
+from experiments.benchmarks.peers.diffrax_peers import Smoothed, SmoothedLinear
 from experiments.benchmarks.peers.engines import ByXla, LinearEngine, NonlinearEngine
+from experiments.benchmarks.peers.smoothed_robot import WIDTH
 from experiments.benchmarks.problem import DURATION, LOG, PARTS, REFINED, drawn, error
 
 BATCHES = (1, 64, 1024, 4096)

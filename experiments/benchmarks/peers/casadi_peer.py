@@ -17,18 +17,13 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 
-from experiments.benchmarks.peers.diffrax_peers import WIDTH
-from experiments.benchmarks.problem import FREE, LOG, ROWS, TORQUE_STEP, robot_of, start_of
+from experiments.benchmarks.peers.smoothed_robot import begin, slope
+from experiments.benchmarks.problem import FREE, LOG, ROWS, TORQUE_STEP
 from scdpr_jax.native.scalar.program import Cell, Constant, Operation, Program, Value
 from scdpr_jax.native.scalar.reading import read
-from scdpr_jax.robot.drive import motor_torque
-from scdpr_jax.robot.dynamics import accelerations
-from scdpr_jax.robot.parameters import smoothed
-from scdpr_jax.robot.state import State
 
 if TYPE_CHECKING:
     import casadi
@@ -50,28 +45,8 @@ def missing() -> str:
     return "" if shutil.which("cc") else "there is no C compiler, `cc`"
 
 
-def slope(
-    state: Float[Array, "10"], values: Float[Array, "4"], voltage: Float[Array, "2"]
-) -> Float[Array, "10"]:
-    """The smoothed robot's equations of motion.
-
-    Args:
-        state: Positions and velocities [m, rad; m/s, rad/s].
-        values: Values of `experiments.benchmarks.problem.FREE`.
-        voltage: Commands [V].
-
-    Returns:
-        The state's derivative by time.
-    """
-    robot = smoothed(robot_of(values), width=WIDTH)
-    at = State(state[:5], state[5:])
-    torque = motor_torque(robot.drive, voltage)
-    force = accelerations(robot, at, torque=torque, knock=jnp.zeros((), state.dtype))
-    return jnp.concatenate([at.velocity, force])
-
-
 def slope_in_casadi() -> "casadi.Function":
-    """The same for CasADi.
+    """The equations of motion for CasADi.
 
     Returns:
         Its function of state, values and commands.
@@ -94,15 +69,9 @@ def run(values: Float[np.ndarray, "4"]) -> Float[np.ndarray, "rows 5"]:
     Returns:
         Positions at the log's instants [m, rad, m, m, m].
     """
-    state = np.asarray(_begin(values))
+    state = np.asarray(begin(values))
     states = np.asarray(_compiled()(np.concatenate([state, values]), TORQUE_STEP.T))
     return np.vstack([state, states[:10].T])[:, :5]
-
-
-@jax.jit
-def _begin(values: Float[Array, "4"]) -> Float[Array, "10"]:
-    start = start_of(robot_of(values))
-    return jnp.concatenate([start.position, start.velocity])
 
 
 def _evaluated(program: Program, given: "dict[str, casadi.SX]") -> "list[casadi.SX]":

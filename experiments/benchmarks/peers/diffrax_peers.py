@@ -12,6 +12,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from experiments.benchmarks.peers.contender import Contender
+from experiments.benchmarks.peers.smoothed_robot import WIDTH
 from experiments.benchmarks.problem import (
     DURATION,
     HEIGHT,
@@ -27,8 +28,6 @@ from scdpr_jax.linear.model import linearise
 from scdpr_jax.robot.dynamics import masses
 from scdpr_jax.robot.parameters import Robot, smoothed
 
-WIDTH = 1e-3
-"""Velocity over which the smoothed friction turns round [m/s]."""
 _SWITCH = DURATION / 2
 
 

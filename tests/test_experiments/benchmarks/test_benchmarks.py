@@ -14,6 +14,7 @@ from experiments.benchmarks.measurements.batched import batched
 from experiments.benchmarks.measurements.timing import fastest, interleaved
 from experiments.benchmarks.peers import casadi_peer, mujoco_peer
 from experiments.benchmarks.peers.diffrax_peers import Smoothed
+from experiments.benchmarks.peers.smoothed_robot import slope
 from experiments.benchmarks.problem import MIDDLE, SPREAD, drawn, error
 from experiments.verbs.study.benchmark import Row
 
@@ -106,7 +107,7 @@ def test_casadis_equations_and_runs_are_those_of_the_smoothed_robot():
     for values in drawn(5):
         state = np.array([0.5, 0.0, 0.5, 0.5, 0.4, *[0.0] * 5]) + 0.1 * random.normal(size=10)
         voltage = 3 * random.normal(size=2)
-        expected = np.asarray(casadi_peer.slope(*map(jnp.asarray, (state, values, voltage))))
+        expected = np.asarray(slope(*map(jnp.asarray, (state, values, voltage))))
         found = np.asarray(equations(state, values, voltage)).ravel()
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
         own = Smoothed(diffrax.Tsit5(), 1e-8)(jnp.asarray(values))
